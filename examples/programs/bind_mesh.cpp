@@ -17,7 +17,7 @@
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/mesh_cage.hpp"
-#include "cli/pose_choice.hpp"
+#include "cli/motion_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/weight_choice.hpp"
 #include "files/bind_report.hpp"
@@ -51,13 +51,13 @@ struct Arguments {
     CoordinatesChoice choice;
 
     /// Whether the output stores the normals of the file.
-    bool keeps_normals(const ObjFile& figure_file) const {
+    bool keeps_normals(const MeshFile& figure_file) const {
         return !figure_file.normals.empty() && !no_file_normals;
     }
 };
 
 /// Area-weighted vertex normals, of unit length or zero.
-std::vector<Point3> normals_of(const ObjFile& figure) {
+std::vector<Point3> normals_of(const MeshFile& figure) {
     const auto& p = figure.vertices;
     std::vector<Point3> normals(p.size());
     for (const auto& [a, b, c] : figure.triangles) {
@@ -95,7 +95,7 @@ constexpr double of_vectors =
     10; ///< tolerance of unit vectors, relative to that of points (FigurePackOptions::tangent_tolerance)
 
 /// Describes the error of a packing, and warns if it is large.
-std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
+std::string describe_loss(const MeshFile& figure, const cageform::PackReport& report,
                           const SampledPoses& poses, bool is_vector, bool has_faces) {
     PackingLoss loss;
     loss.largest = report.distance.value;
@@ -132,7 +132,7 @@ cageform::PackedPoseSamples packed_samples(const ChosenCoordinates<float, 3>& co
 
 /// Binds and packs the normals of the OBJ file, with the tolerance of tangents.
 cageform::PackedBinding<float, 3> packed_normals(const ChosenCoordinates<float, 3>& coordinates,
-                                                 const std::vector<Point3>& places, const ObjFile& figure,
+                                                 const std::vector<Point3>& places, const MeshFile& figure,
                                                  const Arguments& given, cageform::PackOptions options) {
     const std::vector<Point3> normals = normals_of(figure);
     ProgressBar bar("binding normals");
@@ -153,7 +153,7 @@ struct Motion {
     SampledPoses poses;
 };
 
-Motion motion_of(const Arguments& given, const ObjFile& cage) {
+Motion motion_of(const Arguments& given, const MeshFile& cage) {
     Motion motion{given.moves.motion(cage), {}, {}};
     if (motion.clip.keys.empty()) return motion;
     for (PoseKey& key : motion.clip.keys) key.places = relative_to(given.outside.origin, key.places);
@@ -163,8 +163,8 @@ Motion motion_of(const Arguments& given, const ObjFile& cage) {
 }
 
 /// Binds points and normals, and prints warnings. `labels` are those of the cage's vertices, or empty.
-cageform::FigureBinding<float, 3> bound_figure(const Arguments& given, const ObjFile& figure,
-                                               const ObjFile& cage,
+cageform::FigureBinding<float, 3> bound_figure(const Arguments& given, const MeshFile& figure,
+                                               const MeshFile& cage,
                                                const ChosenCoordinates<float, 3>& coordinates,
                                                const std::vector<Point3>& places,
                                                const std::vector<std::string>& labels) {
@@ -200,7 +200,7 @@ cageform::FigureBinding<float, 3> bound_figure(const Arguments& given, const Obj
 }
 
 /// Prints the report of a packed figure, and returns its error; empty if there is none.
-std::string judge_packing(const Arguments& given, const ObjFile& figure,
+std::string judge_packing(const Arguments& given, const MeshFile& figure,
                           const cageform::FigurePackReport& report, const SampledPoses& poses) {
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
         {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
@@ -224,12 +224,12 @@ std::string judge_packing(const Arguments& given, const ObjFile& figure,
 }
 
 /// Binds, packs and writes. `labels` are those of the cage's vertices, or empty.
-int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
+int bind_figure(const Arguments& given, const MeshFile& figure, const MeshFile& cage_of_file,
                 const std::vector<std::string>& labels) {
     fail_if(fault_of_outputs({given.out}));
     const Point3& origin = given.outside.origin;
     const std::vector<Point3> places = relative_to(origin, joined_places(figure));
-    ObjFile cage = cage_of_file;
+    MeshFile cage = cage_of_file;
     cage.vertices = relative_to(origin, cage.vertices);
     if (cage.lattice) cage.lattice->frame.translation = cage.lattice->frame.translation - origin;
     const auto coordinates = make_coordinates<float>(given.choice, cage);
@@ -311,7 +311,7 @@ int run_program(int argc, char** argv) {
         "the faces");
     add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print sizes and errors");
-    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
+    line.set_footer(mesh_formats + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.moves.order_poses();

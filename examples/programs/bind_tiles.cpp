@@ -15,7 +15,7 @@
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/mesh_cage.hpp"
-#include "cli/pose_choice.hpp"
+#include "cli/motion_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/tile_list.hpp"
 #include "cli/weight_choice.hpp"
@@ -301,7 +301,7 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
 }
 
 /// Hash of everything except the points that affects the bytes of a figure.
-std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, const Job& job) {
+std::uint64_t hash_of_parameters(const Arguments& given, const MeshFile& cage, const Job& job) {
     std::ostringstream text;
     text.precision(17);
     const CoordinatesChoice& c = given.choice;
@@ -428,7 +428,7 @@ std::vector<Tile> checked_tiles(const Arguments& given) {
 }
 
 /// The coordinates of a cage, and the options of its tiles.
-Job job_of(const Arguments& given, const ObjFile& cage) {
+Job job_of(const Arguments& given, const MeshFile& cage) {
     Job job;
     job.size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
     job.cage = cage.name;
@@ -449,7 +449,7 @@ Job job_of(const Arguments& given, const ObjFile& cage) {
 }
 
 /// The poses of all handles in a motion, in which errors are measured.
-std::vector<double> poses_of(const Job& job, const ObjFile& cage, const PoseClip& motion) {
+std::vector<double> poses_of(const Job& job, const MeshFile& cage, const PoseClip& motion) {
     if (motion.keys.empty()) return {};
     const auto bound = job.coordinates.bind(std::span(cage.vertices).first(1), job.bind);
     if (!bound) throw Failure(describe_mesh_faults(cage.name, bound.report));
@@ -467,7 +467,7 @@ int run_program(int argc, char** argv) {
          "cage.obj --points scan.ply -o scan.figure --max-distance 0.01 --clip clip.csv --format int8"});
     Arguments given;
     add_options(line, given);
-    line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
+    line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + mesh_formats + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.moves.order_poses();

@@ -333,7 +333,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", settings.out_path, "the CSV file to write: status,w0,w1,…")
         .required()
         .ends_with({".csv"});
-    line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + obj_format + "\n" +
+    line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + mesh_formats + "\n" +
                     site_formats +
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new\n"
                     "vertices of chains and points; for sibson they belong to the points. The order is\n"

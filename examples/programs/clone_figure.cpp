@@ -324,7 +324,7 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
     }
     if constexpr (D == 3) {
-        auto mesh = load_obj(given.mesh, StrayVertices::leave_out); // bind_mesh warns
+        auto mesh = load_mesh(given.mesh, StrayVertices::leave_out); // bind_mesh warns
         if (!mesh) return fail(to_string(mesh.error()));
         if (mesh->vertices.size() != figure.point_count())
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
@@ -387,7 +387,7 @@ int run_program(int argc, char** argv) {
         .range(1, 1024)
         .show_default();
     line.set_footer(pose_table_format + std::string("\n") + pose_clip_format + "\n" + clip_format + "\n" +
-                    obj_format);
+                    mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = *RowRange::of(given.rows);
     if (given.ascii && given.format() != PosedFormat::ply_text)

@@ -49,8 +49,8 @@ struct Arguments {
 };
 
 /// Draws sites as octahedra.
-ObjFile dots(const std::vector<Point3>& sites, double radius) {
-    ObjFile file;
+MeshFile dots(const std::vector<Point3>& sites, double radius) {
+    MeshFile file;
     for (const Point3& site : sites) {
         const auto first = std::uint32_t(file.vertices.size()); // + 2k and 2k + 1: the corners on axis k
         for (std::size_t n = 0; n < 6; ++n) {
@@ -79,7 +79,7 @@ constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights per bat
 /// Binds and clones a figure, in batches if the weights exceed 256 MB.
 class Deformer {
 public:
-    Deformer(const Arguments& given, const ObjFile& figure, const MeshControl& control)
+    Deformer(const Arguments& given, const MeshFile& figure, const MeshControl& control)
         : given_(given)
         , control_(control)
         , rest_(figure.vertices)
@@ -175,7 +175,7 @@ private:
 };
 
 /// If the pose folds the figure, moves both back towards rest, to the largest step without folds.
-void stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
+void stop_at_folds(const MeshFile& figure, MeshControl& control, std::vector<Point3>& moved,
                    std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty())
         throw Failure(figure.name + ": --no-folds: " + why);
@@ -206,10 +206,10 @@ std::string share_of_mirrored(const std::vector<Jacobian3>& jacobians) {
 }
 
 /// Draws the figure at rest and posed, in its cage.
-Picture draw_pose(const Arguments& given, const ObjFile& figure, const MeshControl& control,
+Picture draw_pose(const Arguments& given, const MeshFile& figure, const MeshControl& control,
                   const Deformed& posed) {
-    ObjFile rest_dots, moved_dots;
-    const ObjFile *drawn = &control.cage, *drawn_pose = &control.pose;
+    MeshFile rest_dots, moved_dots;
+    const MeshFile *drawn = &control.cage, *drawn_pose = &control.pose;
     if (control.coordinates.takes_sites) {
         const std::span<const Point3> sites(control.cage.vertices);
         const double radius = cageform::bounds_of(sites).diagonal() / 150;
@@ -224,7 +224,7 @@ Picture draw_pose(const Arguments& given, const ObjFile& figure, const MeshContr
     return draw_meshes(scenes, 1600, 1000, given.view.sight);
 }
 
-void print_report(const Arguments& given, const ObjFile& figure, const MeshControl& control,
+void print_report(const Arguments& given, const MeshFile& figure, const MeshControl& control,
                   const Deformed& posed) {
     std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
               << " normals, " << (figure.tetrahedra.empty() ? figure.faces.size() : figure.tetrahedra.size())
@@ -239,7 +239,7 @@ void print_report(const Arguments& given, const ObjFile& figure, const MeshContr
 }
 
 /// Notes material files that the output names, but that are in another folder.
-void note_materials(const Arguments& given, const ObjFile& figure) {
+void note_materials(const Arguments& given, const MeshFile& figure) {
     const auto folder_of = [](const std::string& path) {
         return std::filesystem::absolute(path).lexically_normal().parent_path();
     };
@@ -252,7 +252,7 @@ void note_materials(const Arguments& given, const ObjFile& figure) {
 }
 
 /// Binds, clones and writes the requested files.
-int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
+int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl control) {
     const auto& [coordinates, cage] = std::tie(control.coordinates, control.cage);
     fail_if(fault_of_outputs({given.out, given.control.save_pose, given.picture}));
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);
@@ -320,7 +320,7 @@ int run_program(int argc, char** argv) {
         line.add("--weight", given.weight, "paint the weight of this vertex, from 0, in the picture");
     line.add_flag("--report", given.report, "print the bind report, the errors of pins, and folds");
     given.control.choice.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + medit_format + "\n" + lattice_format + "\n" +
+    line.set_footer(mesh_formats + std::string("\n") + medit_format + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -329,7 +329,7 @@ int run_program(int argc, char** argv) {
     if (lowercase_extension(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
+    auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (given.flips_faces && ending == ".mesh")
         return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
     auto control = read_mesh_control(given.control, figure, figure.vertices);

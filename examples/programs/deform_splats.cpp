@@ -69,8 +69,8 @@ struct Seconds {
 
 /// Triangles that represent splats for make_cage: in the plane of the two longest axes, with corners at one
 /// standard deviation.
-ObjFile triangles_of(const SplatFile& scene) {
-    ObjFile mesh;
+MeshFile triangles_of(const SplatFile& scene) {
+    MeshFile mesh;
     mesh.name = scene.name;
     mesh.vertices.reserve(3 * scene.size());
     for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -270,7 +270,7 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
         const Clock clock(seconds.control);
         const CageChoice word = CageChoice::of(given.control.cage);
         const bool is_made = word.is_auto || word.is_lattice;
-        return read_mesh_control(given.control, is_made ? triangles_of(scene) : ObjFile{}, places);
+        return read_mesh_control(given.control, is_made ? triangles_of(scene) : MeshFile{}, places);
     }();
     fail_if(given.control.save_fault(control));
     fail_if(fault_of_outputs({given.out, given.control.save_pose}));
@@ -338,7 +338,7 @@ int run_program(int argc, char** argv) {
     line.add_flag("--report", given.report,
                   "print the numbers of splats and splits, the seconds and the bind report");
     given.control.choice.add_options(line);
-    line.set_footer(splat_format + std::string("\n") + obj_format + "\n" + lattice_format + "\n" +
+    line.set_footer(splat_format + std::string("\n") + mesh_formats + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.control.fault());

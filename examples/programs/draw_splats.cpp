@@ -33,12 +33,12 @@ int run_program(int argc, char** argv) {
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();
     line.add_flag("--strict", strict, "refuse a scene or a figure with invalid splats or vertices");
-    line.set_footer(splat_format + std::string("\n") + obj_format);
+    line.set_footer(splat_format + std::string("\n") + mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto scene = value_or_fail(load_splats(path, strict));
     warn(scene.warning);
-    std::optional<ObjFile> mesh;
+    std::optional<MeshFile> mesh;
     if (!beside.empty()) {
         mesh = load_mesh_figure(beside, strict);
     }

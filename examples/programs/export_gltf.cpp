@@ -26,7 +26,7 @@
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/mesh_cage.hpp"
-#include "cli/pose_choice.hpp"
+#include "cli/motion_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/skeleton_choice.hpp"
 #include "files/bind_report.hpp"
@@ -68,10 +68,10 @@ struct Arguments {
 
 /// The input.
 struct Scene {
-    ObjFile figure, cage;
-    Point3 origin;  // of the positions in the file
-    ObjFile stored; // the figure, relative to the origin
-    ObjParts parts; // of the figure
+    MeshFile figure, cage;
+    Point3 origin;   // of the positions in the file
+    MeshFile stored; // the figure, relative to the origin
+    ObjParts parts;  // of the figure
     std::vector<GltfMesh> meshes;
     PoseClip clip;                   // without keys: no motion
     std::vector<std::string> labels; // of the cage's vertices, "" without a label; or empty
@@ -80,7 +80,7 @@ struct Scene {
 /// The largest distances between exact and approximate vertices of a figure.
 class LossMeter {
 public:
-    explicit LossMeter(const ObjFile& figure)
+    explicit LossMeter(const MeshFile& figure)
         : distances_(figure.vertices.size(), 0.0) {
         loss_.size = size_of(figure);
     }
@@ -145,11 +145,11 @@ std::string describe_surface(const SkinLoss& loss) {
 }
 
 /// Vertex normals for the positions `places`, not normalised.
-std::vector<Point3> normals_of(const ObjFile& figure, std::span<const Point3> places) {
+std::vector<Point3> normals_of(const MeshFile& figure, std::span<const Point3> places) {
     std::vector<Point3> normals(places.size());
-    for (const ObjFace& face : figure.faces) {
+    for (const MeshFace& face : figure.faces) {
         const Point3 area = detail::area_vector(face, places);
-        for (const ObjCorner& corner : face.corners) normals[corner.vertex] = normals[corner.vertex] + area;
+        for (const MeshCorner& corner : face.corners) normals[corner.vertex] = normals[corner.vertex] + area;
     }
     return normals;
 }
@@ -159,7 +159,7 @@ double length(const Point3& v) {
 }
 
 /// Compares an exact and an approximate pose; appends the angles between normals to `turns`.
-void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> played,
+void add_surface(const MeshFile& figure, std::span<const Point3> right, std::span<const Point3> played,
                  SkinLoss& loss, std::vector<float>& turns) {
     for (const auto& triangle : figure.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -395,7 +395,7 @@ Targets targets_of(const Scene& scene, const Binding<double, 3>& binding, const 
 }
 
 /// Adds the differences of positions, normals and tangents of a mesh to rest, and returns their accessors.
-GltfJson add_differences(GltfDocument& document, const GltfMesh& mesh, const ObjFile& rest,
+GltfJson add_differences(GltfDocument& document, const GltfMesh& mesh, const MeshFile& rest,
                          const Targets& targets) {
     const auto difference = [](std::vector<std::array<float, 3>> a,
                                const std::vector<std::array<float, 3>>& b) {
@@ -532,7 +532,7 @@ std::string suggest_skin(const Arguments& given, const Scene& scene, const Bindi
 /// Adds the skin of --skin or --max-distance, and prints its errors.
 void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
                      const Binding<double, 3>& bound) {
-    const ObjFile& figure = scene.figure;
+    const MeshFile& figure = scene.figure;
     SkinLoss loss;
     const bool searches = given.influences == 0;
     const auto [skin, made] = searches ? make_near_skin(given, scene, bound, joint_set, loss)
@@ -587,7 +587,7 @@ struct BoundScene {
 
 /// Binds the figure, and prints warnings and the report.
 BoundScene bind_scene(const Arguments& given, const Scene& scene) {
-    const ObjFile &figure = scene.figure, &cage = scene.cage;
+    const MeshFile &figure = scene.figure, &cage = scene.cage;
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);
     const auto options = given.outside.bind_options(coordinates);
@@ -617,7 +617,7 @@ BoundScene bind_scene(const Arguments& given, const Scene& scene) {
 }
 
 void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound) {
-    const ObjFile& figure = scene.figure;
+    const MeshFile& figure = scene.figure;
     const std::string mirror = first_mirror(figure, bound, scene.clip);
     warn(describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
                           mirror.empty() ? side_of(figure.vertices, figure.vertices) : -1,
@@ -687,7 +687,7 @@ Scene read_scene(const Arguments& given) {
     scene.origin = far_origin(scene.figure);
     scene.stored = scene.figure;
     scene.stored.vertices = relative_to(scene.origin, scene.figure.vertices);
-    for (const ObjFile* file : {&scene.figure, &scene.cage}) // the format of glTF
+    for (const MeshFile* file : {&scene.figure, &scene.cage}) // the format of glTF
         fail_if(single_precision_fault(*file));
     return scene;
 }
@@ -788,7 +788,7 @@ int run_program(int argc, char** argv) {
     const auto of_bones = add_outputs(line, given);
     add_storing(line, given);
     line.set_footer(
-        obj_format +
+        mesh_formats +
         std::string("Vertices keep the order of the file. A vertex that needs several normals or\n"
                     "texture coordinates is duplicated; the copies follow all other vertices.\n\n") +
         pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format + "\n" + lattice_format);

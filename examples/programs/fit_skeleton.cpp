@@ -67,7 +67,7 @@ bool ascend(std::span<const double> times) {
 }
 
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
-MddFile read_frames(Arguments& given, ObjFile& figure) {
+MddFile read_frames(Arguments& given, MeshFile& figure) {
     if (given.frames.size() == 1 && lowercase_extension(given.frames[0]) == ".mdd") {
         MddFile file = value_or_fail(load_mdd(given.frames[0], figure.vertices.size()));
         for (std::size_t t = 0; t < file.frames.size(); ++t) {
@@ -97,7 +97,7 @@ MddFile read_frames(Arguments& given, ObjFile& figure) {
     for (const std::string& path : given.frames) {
         if (lowercase_extension(path) == ".mdd")
             throw Failure(path + ": one MDD file holds all frames: give it alone, after " + given.rest);
-        auto frame = value_or_fail(load_obj(path, strays_of(given.is_strict)));
+        auto frame = value_or_fail(load_mesh(path, strays_of(given.is_strict)));
         if (frame.vertices.size() != figure.vertices.size()) {
             throw Failure(path + " has " + std::to_string(frame.vertices.size()) + " vertices, " +
                           given.rest + " has " + std::to_string(figure.vertices.size()) +
@@ -136,7 +136,7 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
 
 /// Returns the figure at rest. Files may round copies of a vertex differently. Copies that stay together in
 /// all frames get the same position, at rest and in each frame, and therefore equal weights.
-std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<Point3>>& frames) {
+std::vector<Point3> join_copies(const MeshFile& figure, std::vector<std::vector<Point3>>& frames) {
     const double apart = 2e-6 * size_of(figure);
     std::vector<Point3> rest = joined_places(figure);
     std::map<std::array<double, 3>, std::vector<std::size_t>>
@@ -161,7 +161,7 @@ std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<P
 }
 
 /// Reads the frames, fits, and writes the files.
-int fit_figure(Arguments& given, ObjFile figure) {
+int fit_figure(Arguments& given, MeshFile figure) {
     const ObjParts parts = read_parts(figure);
     const auto meshes = value_or_fail(gltf_meshes(figure, parts));
     auto read = read_frames(given, figure);
@@ -255,7 +255,7 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     add_flip_faces(line, given.flips_faces);
     line.add_flag("--report", given.report, "print bones, keys, distances and times");
-    line.set_footer(obj_format + std::string("\n") + frames_format);
+    line.set_footer(mesh_formats + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     auto figure = load_mesh_figure(given.rest, given.is_strict);

@@ -12,6 +12,7 @@
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "files/bind_report.hpp"
+#include "files/obj_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
@@ -121,7 +122,7 @@ int fit_in_space(const Arguments& given) {
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
     fail_if(fault_of_outputs({given.out, given.picture}));
     auto rest = load_mesh_figure(given.rest, given.is_strict);
-    const auto posed = value_or_fail(load_obj(given.posed, strays_of(given.is_strict)));
+    const auto posed = value_or_fail(load_mesh(given.posed, strays_of(given.is_strict)));
     if (posed.vertices.size() == rest.vertices.size()) {
         fail_if(leave_out_also(rest, posed.left_out, given.posed + ": ", given.is_strict));
     }
@@ -168,7 +169,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".png"});
     given.view.add_options(line);
     add_strict(line, given.is_strict);
-    line.set_footer(obj_format + std::string("\n") + lattice_format);
+    line.set_footer(mesh_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     return lowercase_extension(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
 }

@@ -137,7 +137,7 @@ int cage_in_plane(const Arguments& given) {
     return write_in_plane(given, figure, made.cage, view, describe(made.report, 2));
 }
 
-int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+int write_in_space(const Arguments& given, const MeshFile& figure, const MeshFile& cage,
                    const std::string& description) {
     OutputFiles outputs;
     if (!given.out.empty())

@@ -329,7 +329,7 @@ void check(const Cage& cage, const cageform_support::PoseClip& dance) {
 
 /// Fails if a vertex of the figure lies outside the cage.
 void check_inside(const Mesh& figure, const Cage& cage) {
-    cageform_support::ObjFile shell;
+    cageform_support::MeshFile shell;
     shell.vertices = cage.mesh.vertices;
     shell.triangles = cage.mesh.faces;
     const auto coordinates = cageform_support::make_coordinates<double>({}, shell);

@@ -31,7 +31,7 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add("--seed", seed, "the seed of the random positions").show_default();
     add_strict(line, is_strict);
-    line.set_footer(splat_format + std::string("\n") + obj_format);
+    line.set_footer(splat_format + std::string("\n") + mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     options.seed = seed;
 

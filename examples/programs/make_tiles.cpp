@@ -40,7 +40,7 @@ double random_at(std::uint64_t n) {
 /// Points on the faces of a mesh, in the order of the faces.
 class FacePoints {
 public:
-    FacePoints(const ObjFile& mesh, std::size_t count, std::size_t seed)
+    FacePoints(const MeshFile& mesh, std::size_t count, std::size_t seed)
         : mesh_(mesh)
         , count_(count)
         , seed_(std::uint64_t{seed} << 40) {
@@ -66,7 +66,7 @@ public:
     }
 
 private:
-    const ObjFile& mesh_;
+    const MeshFile& mesh_;
     std::size_t count_;
     std::uint64_t seed_;
     std::vector<double> ends_; // cumulative areas of triangles
@@ -108,7 +108,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".ply"})
         .check(RowPath::fault);
     add_strict(line, given.is_strict);
-    line.set_footer(obj_format);
+    line.set_footer(mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = RowRange::of(given.rows.empty() ? ":" : given.rows).value_or(RowRange{});
     const RowPath path(given.output);

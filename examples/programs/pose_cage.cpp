@@ -8,10 +8,12 @@
 #include "cli/coordinates.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
+#include "files/obj_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/messages.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/field_plot.hpp"
+#include "pictures/parts_picture.hpp"
 #include "pictures/render.hpp"
 #include "svg/document.hpp"
 
@@ -131,7 +133,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".png"});
     line.add("--figure", given.figure, "an SVG file to draw below the cage in the picture");
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
-    line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + obj_format + "\n" +
+    line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + mesh_formats + "\n" +
                     lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.out.empty() && given.picture.empty())

@@ -141,7 +141,7 @@ std::vector<Move> pose_of(const std::vector<Bone>& bones) {
 // ---- the skin ----
 
 /// Explains why there are no weights, with the culprit.
-std::string why_not(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones,
+std::string why_not(const Arguments& given, const MeshFile& figure, const std::vector<Bone>& bones,
                     const cageform::SurfaceSkinReport& report) {
     if (report.mesh.mesh.status != Status::ok) {
         cageform::BindReport faults;
@@ -171,7 +171,7 @@ struct WeldedMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles; // of places, without degenerate ones
 };
 
-WeldedMesh welded(const ObjFile& figure) {
+WeldedMesh welded(const MeshFile& figure) {
     WeldedMesh mesh;
     std::map<std::array<double, 3>, std::uint32_t> known;
     const std::vector<Point3> joined = joined_places(figure);
@@ -213,7 +213,7 @@ void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t b
 }
 
 /// The posed figure, by linear blend skinning.
-std::vector<Point3> posed(const ObjFile& figure, const std::vector<Bone>& bones,
+std::vector<Point3> posed(const MeshFile& figure, const std::vector<Bone>& bones,
                           std::span<const double> weights) {
     std::vector<Move> frames;
     for (const Bone& bone : bones) frames.push_back({{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, bone.segment.head});
@@ -236,7 +236,7 @@ std::vector<double> dense_weights(const cageform::SkinWeights& skin, std::size_t
 }
 
 /// Distances between exact and stored positions.
-PackingLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
+PackingLoss loss_of(const MeshFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
     PackingLoss loss;
     loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     loss.poses = 1;
@@ -280,7 +280,7 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
 /// The document: meshes, bones as nodes, skin, animation.
 ///
 ///   figure   its vertices are relative to `origin`
-std::string gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
+std::string gltf_text(const MeshFile& figure, const Point3& origin, const ObjParts& parts,
                       const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
                       const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
@@ -385,7 +385,7 @@ Skin skin_of(const Arguments& given, const std::string& name, const std::vector<
 }
 
 /// The weights at the vertices of the file, equal at equal positions.
-Skin skin_of(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
+Skin skin_of(const Arguments& given, const MeshFile& figure, const std::vector<Bone>& bones) {
     const WeldedMesh joined = welded(figure);
     Skin made = skin_of(given, figure.name, joined.places, joined.triangles, bones);
     if (made.report.status == Status::ok) {
@@ -405,8 +405,8 @@ Skin skin_of(const Arguments& given, const ObjFile& figure, const std::vector<Bo
 }
 
 /// The figure as players show it, with positions in single precision.
-ObjFile shown_figure(const ObjFile& figure, const ObjFile& stored, const Point3& origin) {
-    ObjFile shown = figure;
+MeshFile shown_figure(const MeshFile& figure, const MeshFile& stored, const Point3& origin) {
+    MeshFile shown = figure;
     for (std::size_t i = 0; i < shown.vertices.size(); ++i)
         shown.vertices[i] =
             cageform::vec_cast<double>(cageform::vec_cast<float>(stored.vertices[i])) + origin;
@@ -416,7 +416,7 @@ ObjFile shown_figure(const ObjFile& figure, const ObjFile& stored, const Point3&
 /// Notes the errors in players that read four bones per vertex, if the skin has more.
 ///
 ///   right   the exact pose
-void note_loss_of_four(const ObjFile& figure, const ObjFile& shown, const std::vector<Bone>& bones,
+void note_loss_of_four(const MeshFile& figure, const MeshFile& shown, const std::vector<Bone>& bones,
                        std::span<const double> weights, const cageform::SkinWeights& skin,
                        std::span<const Point3> right) {
     const std::size_t sets = joint_sets(skin);
@@ -430,7 +430,7 @@ void note_loss_of_four(const ObjFile& figure, const ObjFile& shown, const std::v
 }
 
 /// Draws the figure at rest and posed, with colours for the weights of two bones.
-Picture draw_weights(const Arguments& given, const ObjFile& figure, std::span<const Point3> moved,
+Picture draw_weights(const Arguments& given, const MeshFile& figure, std::span<const Point3> moved,
                      std::span<const double> weights, std::size_t bones, const PaintedBones& painted) {
     std::vector<Colour> paint;
     constexpr Colour clay{0.93f, 0.93f, 0.9f}, red{0.85f, 0.15f, 0.12f}, blue{0.12f, 0.25f, 0.85f};
@@ -446,7 +446,7 @@ Picture draw_weights(const Arguments& given, const ObjFile& figure, std::span<co
     return draw_meshes(scenes, 1600, 1000, given.view.sight);
 }
 
-int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
+int skin_figure(const Arguments& given, const MeshFile& figure, const std::vector<Bone>& bones) {
     const PaintedBones painted = painted_bones(given, bones);
     const ObjParts parts = read_parts(figure);
     const auto meshes = value_or_fail(gltf_meshes(figure, parts));
@@ -457,9 +457,9 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
     make_sums_exact(skin);
     const Point3 origin = far_origin(figure);
-    ObjFile stored = figure;
+    MeshFile stored = figure;
     stored.vertices = relative_to(origin, figure.vertices);
-    const ObjFile shown = shown_figure(figure, stored, origin);
+    const MeshFile shown = shown_figure(figure, stored, origin);
     const auto written = dense_weights(skin, bones.size());
     const auto right = posed(figure, bones, weights), moved = posed(shown, bones, written);
     PackingLoss loss = loss_of(figure, right, moved);
@@ -525,7 +525,7 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     line.add_flag("--report", given.report,
                   "print flipped edges, hidden vertices and the error of the stored skin");
-    line.set_footer(obj_format + std::string("\n") + bones_format);
+    line.set_footer(mesh_formats + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto figure = load_mesh_figure(given.figure, given.is_strict);

@@ -3,7 +3,7 @@
 #include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
 #include "files/marker_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "files/pose_rows.hpp"
 
 #include "catch.hpp"
@@ -356,7 +356,7 @@ TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[exam
         refused(wide, "is UTF-16 text");
     }
     std::ofstream(path, std::ios::binary) << "\xfe\xff" << std::string("\0v\0 \0001", 6);
-    const auto mesh = load_obj(path);
+    const auto mesh = load_mesh(path);
     std::filesystem::remove(path);
     REQUIRE_FALSE(mesh);
     CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, but only UTF-8 is read: save it as UTF-8");

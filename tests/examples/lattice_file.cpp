@@ -1,6 +1,7 @@
 #include "files/lattice_file.hpp"
 #include "cli/mesh_cage.hpp"
 #include "files/cage_file.hpp"
+#include "files/obj_file.hpp"
 #include "svg/document.hpp"
 
 #include "catch.hpp"
@@ -243,7 +244,7 @@ TEST_CASE("a point of a pose may be moved in its row, in its column, or in both"
 TEST_CASE("a lattice in space is a closed mesh of its outer points", "[examples][lattice]") {
     const auto lattice = lattice_about<3>(*parse_lattice_word("3x4x5+0.1"), {{0, 0, 0}, {1, 2, 3}}, 0.1, "f");
     REQUIRE(lattice);
-    const ObjFile mesh = lattice_mesh("l", *lattice);
+    const MeshFile mesh = lattice_mesh("l", *lattice);
     REQUIRE(mesh.lattice);
     CHECK(mesh.vertices.size() == 60 + 4);
     CHECK(mesh.faces.size() == 2 * (2 * 3 + 3 * 4 + 2 * 4));

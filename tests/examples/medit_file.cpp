@@ -21,7 +21,7 @@ const std::string cube = "# by hand\nMeshVersionFormatted 2\r\nDimension\n3\n"
                          "1 2 4 8 0\n1 4 3 8 0\n1 3 7 8 0\n1 7 5 8 0\n8 5 6 1 0\n1 6 2 8 0\n"
                          "Triangles\n1\n1 2 3 9\nEdges\n1\n1 2 nan\nEnd\nwhat follows 7\n";
 
-ObjFile mesh_of(const std::string& text) {
+MeshFile mesh_of(const std::string& text) {
     auto file = parse_medit(text, "file.mesh");
     INFO(text);
     if (!file) FAIL(to_string(file.error()));
@@ -42,7 +42,7 @@ std::string with(std::string text, const std::string& from, const std::string& t
 }
 
 /// Six times the volume enclosed by triangles that point outwards.
-double volume_inside(const ObjFile& file) {
+double volume_inside(const MeshFile& file) {
     double sum = 0;
     for (const auto& [a, b, c] : file.triangles)
         sum += dot(file.vertices[a], cross(file.vertices[b], file.vertices[c]));
@@ -67,7 +67,7 @@ TEST_CASE("a vertex that is not finite is left out if no cell uses it", "[medit]
 }
 
 TEST_CASE("a mesh of tetrahedra is read with its surface", "[medit]") {
-    const ObjFile file = mesh_of(cube);
+    const MeshFile file = mesh_of(cube);
     REQUIRE(file.vertices.size() == 8);
     CHECK(file.vertices[3] == Point3{1, 1.5, 0});
     CHECK(file.vertices[7] == Point3{1, 1.5, 1});
@@ -79,7 +79,7 @@ TEST_CASE("a mesh of tetrahedra is read with its surface", "[medit]") {
 }
 
 TEST_CASE("writing a mesh of tetrahedra changes only its vertices", "[medit]") {
-    const ObjFile file = mesh_of(cube);
+    const MeshFile file = mesh_of(cube);
     CHECK(to_text(file, file.vertices) == cube);
     auto moved = file.vertices;
     moved[2] = {0.1, 1.5, -0.25};
@@ -88,13 +88,13 @@ TEST_CASE("writing a mesh of tetrahedra changes only its vertices", "[medit]") {
           with(with(cube, "0 1.50e0 0 1", "0.1 1.50e0 -0.25 1"), "2 1 1.5 1 2", "2 3 1.5 1 2"));
     // Files written by the program are read without change, to the bit.
     moved[5] = {1.0 / 3, -1e-300, 5e22};
-    const ObjFile again = mesh_of(medit_text(moved, file.tetrahedra));
+    const MeshFile again = mesh_of(medit_text(moved, file.tetrahedra));
     CHECK(again.vertices == moved);
     CHECK(again.tetrahedra == file.tetrahedra);
 }
 
 TEST_CASE("the triangles of a .mesh file of a surface are read", "[medit]") {
-    const ObjFile file =
+    const MeshFile file =
         mesh_of("MeshVersionFormatted 1 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 "
                 "Triangles 1 1 2 3 0 Quadrilaterals 1 1 2 3 4 0");
     CHECK(file.tetrahedra.empty());

@@ -21,8 +21,8 @@ namespace {
 using Points = std::vector<Point3>;
 
 /// A bar of 8 x 2 x 2 cubes, each of six tetrahedra around a diagonal.
-ObjFile bar() {
-    ObjFile mesh;
+MeshFile bar() {
+    MeshFile mesh;
     mesh.name = "bar.mesh";
     const std::array<std::uint32_t, 3> points{9, 3, 3}, step{1, 9, 27};
     for (std::uint32_t i = 0; i < 9 * 3 * 3; ++i) {
@@ -41,7 +41,7 @@ ObjFile bar() {
 
 /// The bar deformed by a box-shaped cage, one end of which is turned about the bar's axis and pushed.
 struct Bent {
-    ObjFile mesh = bar();
+    MeshFile mesh = bar();
     cageform::PolyhedralMesh<double> cage =
         cageform::box_mesh<double>({-0.1, -0.1, -0.1}, {4.1, 1.1, 1.1}, {4, 1, 1});
     cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>> coordinates{cage};
@@ -72,7 +72,7 @@ struct Bent {
 };
 
 /// The smallest V'/V of all cells, in long double.
-double least_ratio(const ObjFile& mesh, const Points& moved) {
+double least_ratio(const MeshFile& mesh, const Points& moved) {
     const auto volume = [](const Points& at, const std::array<std::uint32_t, 4>& cell) {
         const auto edge = [&](std::size_t k) {
             return cageform::vec_cast<long double>(at[cell[k]] - at[cell[0]]);
@@ -159,7 +159,7 @@ TEST_CASE("folds around vertices do not depend on batches", "[mesh_folds]") {
 }
 
 TEST_CASE("a tetrahedron that is flat at rest is reported", "[mesh_folds]") {
-    ObjFile mesh = bar();
+    MeshFile mesh = bar();
     mesh.tetrahedra[4] = {0, 1, 2, 3};
     const MeshFolds folds = folds_of_cells(mesh, mesh.vertices, {});
     CHECK(folds.fault() == "tetrahedron 5: the simplex has no volume relative to its size");

@@ -25,7 +25,7 @@ using namespace cageform_support;
 
 namespace {
 
-ObjFile parsed(const std::string& text) {
+MeshFile parsed(const std::string& text) {
     auto file = parse_obj(text, "file.obj");
     INFO(text);
     if (!file) FAIL(to_string(file.error()));
@@ -48,7 +48,7 @@ double distance(const Point3& a, const Point3& b) {
 struct Areas {
     double sum = 0, apart = 0;
 };
-Areas areas(const ObjFile& file, const Point3& normal) {
+Areas areas(const MeshFile& file, const Point3& normal) {
     Areas both;
     for (const auto& [a, b, c] : file.triangles) {
         const double area =
@@ -91,27 +91,27 @@ Point3 turned_about_y(const Point3& p, double angle) {
 
 TEST_CASE("an OBJ file at rest is written byte for byte", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
-        const ObjFile file = parsed(text);
+        const MeshFile file = parsed(text);
         CHECK(to_text(file, file.vertices) == text);
     }
 }
 
 TEST_CASE("an OBJ file is read", "[examples][obj]") {
-    const ObjFile file = parsed(everything);
+    const MeshFile file = parsed(everything);
     CHECK(file.vertices == std::vector<Point3>{{1, 2.5, 0}, {1, 0.5, 5}, {1, 2, 3}, {-7, 8, 9}, {0, 0, 0}});
     CHECK(file.normals.size() == 2);
     REQUIRE(file.faces.size() == 4);
-    CHECK(file.faces[0].corners == std::vector<ObjCorner>{{0, 0}, {1, 0}, {2, 0}});
-    CHECK(file.faces[1].corners == std::vector<ObjCorner>{{0, 0}, {1, 1}, {2, 0}, {3, ObjCorner::none}});
+    CHECK(file.faces[0].corners == std::vector<MeshCorner>{{0, 0}, {1, 0}, {2, 0}});
+    CHECK(file.faces[1].corners == std::vector<MeshCorner>{{0, 0}, {1, 1}, {2, 0}, {3, MeshCorner::none}});
     CHECK(file.faces[1].line == 17);
     CHECK(file.faces[2].corners ==
-          std::vector<ObjCorner>{{0, ObjCorner::none}, {1, ObjCorner::none}, {2, ObjCorner::none}});
+          std::vector<MeshCorner>{{0, MeshCorner::none}, {1, MeshCorner::none}, {2, MeshCorner::none}});
     CHECK(file.faces[3].corners[2].vertex == 4); // an index may refer to a later line
     CHECK(file.triangles.size() == 5);
 }
 
 TEST_CASE("only the numbers that change are written anew", "[examples][obj]") {
-    const ObjFile file = parsed(everything);
+    const MeshFile file = parsed(everything);
     auto moved = file.vertices;
     moved[0][1] = 0.1;
     moved[2] = {-1, 2, 1e-7};
@@ -133,16 +133,16 @@ TEST_CASE("an OBJ file written and read is unchanged to the bit", "[examples][ob
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
     std::normal_distribution<double> normal;
-    const ObjFile file = parsed(cube);
+    const MeshFile file = parsed(cube);
     auto moved = file.vertices;
     for (Point3& p : moved) p = {normal(random), 1e-12 * normal(random), 1e15 * normal(random)};
-    const ObjFile again = parsed(to_text(file, moved));
+    const MeshFile again = parsed(to_text(file, moved));
     CHECK(again.vertices == moved);
     CHECK(again.normals == MovedNormals(file, {moved}).of_file());
 }
 
 TEST_CASE("normals rotate with the mesh and keep their length", "[examples][obj]") {
-    const ObjFile file = parsed(cube);
+    const MeshFile file = parsed(cube);
     const double angle = GENERATE(0.0, 0.3, 1.5707963267948966, 3.0, std::numbers::pi, -2.0);
     CAPTURE(angle);
     std::vector<Point3> moved;
@@ -277,7 +277,7 @@ TEST_CASE("tangents point along u, and their sign is that of v", "[examples][obj
         text += "v " + std::to_string(p[0]) + ' ' + std::to_string(p[1]) + ' ' + std::to_string(p[2]) +
                 "\nvt " + std::to_string(at_u) + ' ' + std::to_string(at_v) + '\n';
     }
-    const ObjFile file = parsed(text + "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\n");
+    const MeshFile file = parsed(text + "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\n");
     ObjParts parts = read_parts(file);
     CHECK_FALSE((*gltf_meshes(file, parts))[0].takes_tangents);
     parts.materials[0].normal_texture = "bumps.png";
@@ -296,7 +296,7 @@ TEST_CASE("tangents point along u, and their sign is that of v", "[examples][obj
 
 TEST_CASE("reversing faces changes only the order of their corners in the text", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
-        const ObjFile file = parsed(text), turned = with_faces_reversed(file), read = parsed(turned.text);
+        const MeshFile file = parsed(text), turned = with_faces_reversed(file), read = parsed(turned.text);
         CHECK(with_faces_reversed(turned).text == text);
         CHECK(to_text(turned, file.vertices) == turned.text);
         REQUIRE(turned.faces.size() == file.faces.size());
@@ -319,8 +319,9 @@ TEST_CASE("reversing faces changes only the order of their corners in the text",
 
 TEST_CASE("a normal of several faces follows their mean, weighted by area", "[examples][obj]") {
     // A roof: two squares that share an edge and its normal; one is folded down.
-    const ObjFile file = parsed("v -1 0 0\nv 0 0 0\nv 0 1 0\nv -1 1 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 1 0 0\n"
-                                "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n");
+    const MeshFile file =
+        parsed("v -1 0 0\nv 0 0 0\nv 0 1 0\nv -1 1 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 1 0 0\n"
+               "f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\n");
     auto moved = file.vertices;
     moved[4] = {0, 0, -1};
     moved[5] = {0, 1, -1};
@@ -347,7 +348,7 @@ TEST_CASE("faces are triangulated with one orientation", "[examples][obj]") {
                 std::to_string(0.7 * offset + radius * std::sin(angle)) + " 0.5\n";
         face += ' ' + std::to_string(i + 1);
     }
-    const ObjFile file = parsed(text + face + '\n');
+    const MeshFile file = parsed(text + face + '\n');
     CHECK(file.folded.empty());
     CHECK(file.triangles.size() == static_cast<std::size_t>(corners) - 2);
     const Areas both = areas(file, {0, 0, 1});
@@ -357,7 +358,7 @@ TEST_CASE("faces are triangulated with one orientation", "[examples][obj]") {
 
 TEST_CASE("a self-intersecting face is reported as folded", "[examples][obj]") {
     for (const char* last : {"v 0 4 0\n", "v 0 1 0\n"}) { // with no area in sum, and with some
-        const ObjFile file =
+        const MeshFile file =
             parsed("v 0 0 0\nv 4 4 0\nv 4 0 0\n" + (last + std::string("f 1 2 3\nf 1 2 3 4\n")));
         CHECK(file.folded == std::vector<std::size_t>{1});
     }
@@ -429,10 +430,10 @@ TEST_CASE("faults of an OBJ file are reported with their lines", "[examples][obj
 }
 
 TEST_CASE("unreadable OBJ files are reported by name", "[examples][obj]") {
-    const auto missing = load_obj("no/such/file.obj");
+    const auto missing = load_mesh("no/such/file.obj");
     REQUIRE_FALSE(missing);
     CHECK(to_string(missing.error()) == "no/such/file.obj: no such file");
-    const auto folder = load_obj(".");
+    const auto folder = load_mesh(".");
     REQUIRE_FALSE(folder);
     CHECK(to_string(folder.error()) == ".: is a folder");
 }
@@ -444,8 +445,8 @@ TEST_CASE("copies of a vertex that differ by rounding are joined, other vertices
     std::mt19937_64 random(static_cast<unsigned>(seed));
     std::normal_distribution<double> normal;
     const double size = std::exp(5 * normal(random));
-    const ObjFile single = parsed(cube);
-    ObjFile split = single; // each triangle has its own vertices
+    const MeshFile single = parsed(cube);
+    MeshFile split = single; // each triangle has its own vertices
     split.vertices.clear();
     split.triangles.clear();
     std::vector<std::uint32_t> source;
@@ -480,7 +481,7 @@ TEST_CASE("a normal shared by several vertices is exact at each of them", "[exam
     const bool is_affine = seed % 2 == 0;
     std::string text = cube + "vt 0 0\nf -8/1/-6 -7/1/2 -6//-1\nvn 1 1 0 # last\nf 1//-1 2//7 3\n";
     if (seed % 3 == 0) text.insert(text.find("vn 0 -1"), " \\\r\n\tg vn\r\n ");
-    const ObjFile file = parsed(text);
+    const MeshFile file = parsed(text);
     std::array<Point3, 4> linear, square;
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -497,17 +498,17 @@ TEST_CASE("a normal shared by several vertices is exact at each of them", "[exam
         auto& jacobian = jacobians.emplace_back();
         for (std::size_t k = 0; k < 3; ++k) jacobian[k] = linear[k] + 2 * p[k] * square[k];
     }
-    const ObjFile again = parsed(to_text(file, {places, jacobians}));
+    const MeshFile again = parsed(to_text(file, {places, jacobians}));
     CHECK(again.vertices == places);
     CHECK((again.normals.size() == file.normals.size()) == is_affine);
     REQUIRE(again.faces.size() == file.faces.size());
     for (std::size_t f = 0; f < file.faces.size(); ++f) {
         REQUIRE(again.faces[f].corners.size() == file.faces[f].corners.size());
         for (std::size_t c = 0; c < file.faces[f].corners.size(); ++c) {
-            const ObjCorner &rest = file.faces[f].corners[c], &now = again.faces[f].corners[c];
+            const MeshCorner &rest = file.faces[f].corners[c], &now = again.faces[f].corners[c];
             CHECK(now.vertex == rest.vertex);
-            REQUIRE((now.normal == ObjCorner::none) == (rest.normal == ObjCorner::none));
-            if (rest.normal == ObjCorner::none) continue;
+            REQUIRE((now.normal == MeshCorner::none) == (rest.normal == MeshCorner::none));
+            if (rest.normal == MeshCorner::none) continue;
             const auto expected = moved_normal(jacobians[rest.vertex], file.normals[rest.normal]);
             REQUIRE(expected);
             CHECK(distance(again.normals[now.normal], *expected) < 1e-12);

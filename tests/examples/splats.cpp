@@ -536,7 +536,7 @@ TEST_CASE("truncated or changed headers are read or refused", "[splats]") {
 }
 
 TEST_CASE("splats made on a mesh lie on it, and are the same for the same seed", "[splats]") {
-    ObjFile mesh;
+    MeshFile mesh;
     mesh.name = "two.obj";
     mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 1}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {3, 4, 0}}; // areas 2, 1, 0

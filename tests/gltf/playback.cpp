@@ -117,7 +117,7 @@ struct File {
     std::vector<std::size_t> origin;
 };
 
-File load(const std::string& path, const ObjFile& figure) {
+File load(const std::string& path, const MeshFile& figure) {
     File file;
     tinygltf::TinyGLTF loader;
     std::string error, warning;
@@ -285,7 +285,7 @@ auto unwrapped(Result result) {
 }
 
 /// How far a file is from the clone at most, over the clip.
-int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage, const PoseClip& clip) {
+int compare(const std::string& path, const MeshFile& figure, const MeshFile& cage, const PoseClip& clip) {
     const File file = load(path, figure);
     const Influences skin = influences(file);
     cageform::Binding<double, 3> binding =
@@ -335,14 +335,14 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
 
 /// How far a file is from poses at their times.
 int compare_poses(int argc, char** argv) {
-    const ObjFile figure = unwrapped(load_obj(argv[2]));
+    const MeshFile figure = unwrapped(load_mesh(argv[2]));
     const File file = load(argv[3], figure);
     double size = 0, worst = 0, least_moved = 1e30;
     for (const Point3& p : figure.vertices)
         size = cageform_tests::larger(size, length(p - figure.vertices[0]));
     for (int n = 4; n + 1 < argc; n += 2) {
         const auto moved = played(file, {}, std::stod(argv[n]));
-        const ObjFile pose = unwrapped(load_obj(argv[n + 1]));
+        const MeshFile pose = unwrapped(load_mesh(argv[n + 1]));
         if (pose.vertices.size() != figure.vertices.size())
             throw std::runtime_error("a pose of another figure");
         double most_moved = 0;
@@ -369,14 +369,14 @@ int compare_poses(int argc, char** argv) {
 /// Whether a file with a skeleton is near to poses at their times.
 int compare_near(int argc, char** argv) {
     const double allowed = std::stod(argv[2]);
-    const ObjFile figure = unwrapped(load_obj(argv[3]));
+    const MeshFile figure = unwrapped(load_mesh(argv[3]));
     const File file = load(argv[4], figure);
     const Influences skin = influences(file);
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     double worst = 0, most_moved = 0;
     for (int n = 5; n + 1 < argc; n += 2) {
         const auto moved = played(file, skin, std::stod(argv[n]));
-        const ObjFile pose = unwrapped(load_obj(argv[n + 1]));
+        const MeshFile pose = unwrapped(load_mesh(argv[n + 1]));
         if (pose.vertices.size() != figure.vertices.size())
             throw std::runtime_error("a pose of another figure");
         for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -400,8 +400,8 @@ int main(int argc, char** argv) {
         if (argc > 6 && argc % 2 == 1 && std::string_view(argv[1]) == "--near")
             return compare_near(argc, argv);
         if (argc < 5) throw std::runtime_error("usage: gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…");
-        const ObjFile figure = unwrapped(load_obj(argv[1]));
-        const ObjFile cage = unwrapped(load_mesh_cage(argv[2]));
+        const MeshFile figure = unwrapped(load_mesh(argv[1]));
+        const MeshFile cage = unwrapped(load_mesh_cage(argv[2]));
         const PoseClip clip = unwrapped(load_pose_clip(argv[3], cage.vertices.size()));
         int failed = 0;
         for (int n = 4; n < argc; ++n) failed += compare(argv[n], figure, cage, clip);

@@ -2,7 +2,7 @@
 
 // Self-intersection of a triangle mesh.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <algorithm>
 #include <array>

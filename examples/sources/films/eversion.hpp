@@ -3,7 +3,7 @@
 // Sphere eversion by formulas: A. and W. Bednorz, "Analytic sphere eversion using ruled surfaces",
 // Differential Geometry and its Applications 64 (2019), for n = 2, topologically Morin's eversion.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <algorithm>
 #include <array>

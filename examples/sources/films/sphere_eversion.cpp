@@ -46,14 +46,14 @@ struct Arguments {
 /// A cage around all stages, and its pose.
 struct Control {
     ChosenCoordinates<double, 3> coordinates;
-    ObjFile cage;
+    MeshFile cage;
     std::vector<Point3> pose;
 };
 
 /// All stages as one figure, for making cages.
-ObjFile all_stages() {
+MeshFile all_stages() {
     const Eversion eversion;
-    ObjFile figure;
+    MeshFile figure;
     figure.name = "the eversion";
     for (int n = 0; n <= 24; ++n) {
         const auto first = std::uint32_t(figure.vertices.size());
@@ -65,7 +65,7 @@ ObjFile all_stages() {
     return figure;
 }
 
-std::optional<Control> read_control(const Arguments& given, const ObjFile& all_stages) {
+std::optional<Control> read_control(const Arguments& given, const MeshFile& all_stages) {
     const bool is_posed = !given.operations.operations.empty();
     if (given.cage.empty()) {
         if (is_posed)
@@ -149,7 +149,7 @@ public:
 private:
     /// Adds the edges of the cage's faces to the picture, as triangles without area.
     void add_cage() {
-        for (const ObjFace& face : control_->cage.faces) {
+        for (const MeshFace& face : control_->cage.faces) {
             for (std::size_t k = 0; k < face.corners.size(); ++k) {
                 const std::uint32_t next = face.corners[(k + 1) % face.corners.size()].vertex;
                 const std::uint32_t corner = face.corners[k].vertex;
@@ -309,7 +309,7 @@ int run_program(int argc, char** argv) {
     given.outside.add_options(line);
     given.choice.add_options(line);
     given.view.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format);
+    line.set_footer(mesh_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.outside.fault());
 

@@ -7,7 +7,7 @@
 // Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the
 // back of the hand faces z.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "pictures/surface_nets.hpp"
 
 #include <array>

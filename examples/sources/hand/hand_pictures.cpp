@@ -493,7 +493,7 @@ double largest_on_other_fingers(const Hand& hand, const std::vector<double>& val
 
 /// The skin deformed by harmonic coordinates in a cage whose vertices move with the nearest joints.
 Skin in_posed_cage(const Hand& hand, const ImplicitMesh& cage, const HandPose& angles) {
-    ObjFile file;
+    MeshFile file;
     file.vertices = cage.vertices;
     file.triangles = cage.faces;
     CoordinatesChoice choice;

@@ -259,7 +259,7 @@ int run_program(int argc, char** argv) {
              "x,y,width,height: draw only this part of the picture's plane, in the cage's units")
         .check(box_fault);
     add_strict(line, given.is_strict);
-    line.set_footer(std::string(cage_formats) + "\n" + obj_format);
+    line.set_footer(std::string(cage_formats) + "\n" + mesh_formats);
     given.choice.name = "harmonic";
     given.choice.harmonic.accuracy = 1e-3;
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -192,7 +192,7 @@ std::string diagram(double left, double top, const std::string& title, const std
 template <std::size_t D>
 struct Oracle {
     std::string name;
-    std::conditional_t<D == 2, CageFile, ObjFile> cage;
+    std::conditional_t<D == 2, CageFile, MeshFile> cage;
     std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
     std::vector<std::vector<double>> weights; // [point][handle]
 };
@@ -247,7 +247,7 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
 
 /// Reads an oracle from a text file.
 Oracle<3> read_oracle(const std::filesystem::path& path, std::string text) {
-    auto cage = value_or_fail(load_obj(path.parent_path() / "cage.obj"));
+    auto cage = value_or_fail(load_mesh(path.parent_path() / "cage.obj"));
     const std::string folder = printable(path.parent_path().filename().string()),
                       file = printable(path.stem().string());
     Oracle<3> oracle{file == "reference" ? folder : folder + ", " + file, std::move(cage), {}, {}};

@@ -215,7 +215,7 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     given.view.add_options(line);
     add_strict(line, given.is_strict);
-    line.set_footer(pins_format + std::string("\n") + cage_formats + "\n" + obj_format);
+    line.set_footer(pins_format + std::string("\n") + cage_formats + "\n" + mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.pins.solving.settled_step = 1e-6;
     if (lowercase_extension(given.figure) == ".obj") return draw_in_space(given);

@@ -4,7 +4,7 @@
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/enclose/types/make_cage_options.hpp>
@@ -55,24 +55,24 @@ AutoCage<CageFile> make_cage_for(const SvgDocument& figure, const cageform::Make
 
 /// Makes a cage around all faces of a mesh, with all hardware threads. Its faces are in the groups part_1,
 /// part_2, part_-2 and so on, see find_parts().
-AutoCage<ObjFile> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                const cageform::Progress& progress = {});
+AutoCage<MeshFile> make_cage_for(const MeshFile& figure, const cageform::MakeCageOptions& options,
+                                 const cageform::Progress& progress = {});
 
 /// Merges as many pairs of triangles of a cage as possible to quads. The vertices do not change.
-AutoCage<ObjFile> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                             const cageform::MakeCageOptions& options);
+AutoCage<MeshFile> with_quads(const AutoCage<MeshFile>& made, const MeshFile& figure,
+                              const cageform::MakeCageOptions& options);
 
 /// Makes a lattice around all visible parts of a document, or around the vertices of a mesh.
 ///
 ///   margin   of the box, relative to the diagonal of these parts or vertices
 inline constexpr double lattice_margin = 0.02;
 CageFile make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
-ObjFile make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
+MeshFile make_lattice_for(const MeshFile& figure, const LatticeWord& word, double margin);
 
 /// The cage of --cage: made for the figure, or read from a file.
 CageFile load_or_make_cage(const std::string& word, const SvgDocument& figure,
                            CageEdges edges = CageEdges::lines);
-ObjFile load_or_make_cage(const std::string& word, const ObjFile& figure);
+MeshFile load_or_make_cage(const std::string& word, const MeshFile& figure);
 
 /// Parses "15%" or "0.15", the fraction by which a cage may exceed the tightest. Returns the error; empty on
 /// success.
@@ -103,18 +103,16 @@ void add_flip_faces(CommandLine& line, bool& flips_faces);
 /// Adds --strict for load_mesh_figure().
 void add_strict(CommandLine& line, bool& is_strict);
 
-enum class MeshFormats : std::uint8_t { obj, obj_or_medit };
-
 /// Reads a figure. Unused vertices that are not finite are left out with a warning; a strict reader rejects
 /// them.
-ObjFile load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats = MeshFormats::obj);
+MeshFile load_mesh_figure(const std::string& path, bool is_strict);
 
 /// Leaves out vertices that are not finite in a frame, with a warning.
 ///
 ///   vertices   ascending
 ///   frame      its name, before "v 1" in messages
 ///   returns    the error if a face uses such a vertex, or the reader is strict; else empty
-std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
+std::string leave_out_also(MeshFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
                            bool is_strict);
 
 } // namespace cageform_support

@@ -13,7 +13,7 @@ namespace cageform_support {
 namespace {
 
 /// The figure's vertices. Unused vertices, which must not affect its extent, are moved to a used one.
-std::vector<Point3> without_strays(const ObjFile& figure) {
+std::vector<Point3> without_strays(const MeshFile& figure) {
     if (figure.triangles.empty()) return figure.vertices;
     std::vector<Point3> places(figure.vertices.size(), figure.vertices[figure.triangles[0][0]]);
     for (const auto& triangle : figure.triangles) {
@@ -24,8 +24,8 @@ std::vector<Point3> without_strays(const ObjFile& figure) {
 
 } // namespace
 
-AutoCage<ObjFile> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                const cageform::Progress& progress) {
+AutoCage<MeshFile> make_cage_for(const MeshFile& figure, const cageform::MakeCageOptions& options,
+                                 const cageform::Progress& progress) {
     const auto made = cageform::make_cage(without_strays(figure), figure.triangles, options,
                                           {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
@@ -54,14 +54,15 @@ AutoCage<ObjFile> make_cage_for(const ObjFile& figure, const cageform::MakeCageO
             text += '\n';
         }
     }
-    AutoCage<ObjFile> result{value_or_fail(parse_obj(std::move(text), "the cage of " + figure.name)), report};
+    AutoCage<MeshFile> result{value_or_fail(parse_obj(std::move(text), "the cage of " + figure.name)),
+                              report};
     if (options.rings) result.report.parts = cage_parts(result.cage); // in the order of the file's faces
     return result;
 }
 
-AutoCage<ObjFile> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                             const cageform::MakeCageOptions& options) {
-    const ObjFile& cage = made.cage;
+AutoCage<MeshFile> with_quads(const AutoCage<MeshFile>& made, const MeshFile& figure,
+                              const cageform::MakeCageOptions& options) {
+    const MeshFile& cage = made.cage;
     const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
         {cage.vertices, cage.triangles}, made.report};
     const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
@@ -92,12 +93,12 @@ AutoCage<ObjFile> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figur
     return {value_or_fail(parse_obj(std::move(text), cage.name)), paired.report};
 }
 
-ObjFile make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
+MeshFile make_lattice_for(const MeshFile& figure, const LatticeWord& word, double margin) {
     auto lattice = value_or_fail(lattice_about<3>(word, without_strays(figure), margin, figure.name));
     return lattice_mesh("the lattice about " + figure.name, std::move(lattice));
 }
 
-ObjFile load_or_make_cage(const std::string& word, const ObjFile& figure) {
+MeshFile load_or_make_cage(const std::string& word, const MeshFile& figure) {
     const CageChoice wanted = CageChoice::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
@@ -117,10 +118,8 @@ void add_strict(CommandLine& line, bool& is_strict) {
                   "refuse a figure with a vertex that is not finite, even if no face uses the vertex");
 }
 
-ObjFile load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
-    const StrayVertices strays = strays_of(is_strict);
-    ObjFile file = value_or_fail(formats == MeshFormats::obj_or_medit ? load_mesh_or_obj(path, strays)
-                                                                      : load_obj(path, strays));
+MeshFile load_mesh_figure(const std::string& path, bool is_strict) {
+    MeshFile file = value_or_fail(load_mesh(path, strays_of(is_strict)));
     if (!file.left_out.empty()) {
         warn(path + ": " + std::to_string(file.left_out.size()) + " of " +
              std::to_string(file.vertices.size()) + " vertices are left out, first v " +
@@ -131,7 +130,7 @@ ObjFile load_mesh_figure(const std::string& path, bool is_strict, MeshFormats fo
     return file;
 }
 
-std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
+std::string leave_out_also(MeshFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
                            bool is_strict) {
     std::vector<std::size_t> added, all;
     std::set_difference(vertices.begin(), vertices.end(), figure.left_out.begin(), figure.left_out.end(),

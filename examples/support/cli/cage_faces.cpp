@@ -6,7 +6,7 @@
 
 namespace cageform_support {
 
-CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {
+CageFaces faces_of(const MeshFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {
     CageFaces faces;
     const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
     faces.off_plane = 1e-6 * bounds.diagonal();
@@ -49,7 +49,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std:
     return faces;
 }
 
-std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why) {
+std::string describe_faces(const MeshFile& cage, const CageFaces& faces, const std::string& why) {
     std::string text;
     const auto count = [](std::size_t n) { return detail::counted(n, "face"); };
     if (faces.polygons > 0) {

@@ -5,7 +5,7 @@
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "files/site_file.hpp"
 #include "io/messages.hpp"
 
@@ -151,7 +151,7 @@ public:
 template <class T>
 ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
 template <class T>
-ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const MeshFile& cage);
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 

@@ -13,7 +13,7 @@ std::string polygon_fault(const CoordinatesChoice& choice) {
 }
 
 /// Twice the volume of a closed mesh over its area, which is the thickness of a flat mesh.
-double mean_thickness(const ObjFile& mesh) {
+double mean_thickness(const MeshFile& mesh) {
     double volume = 0, area = 0;
     for (const auto& [a, b, c] : mesh.triangles) {
         const auto& p = mesh.vertices;
@@ -27,7 +27,7 @@ double mean_thickness(const ObjFile& mesh) {
 } // namespace
 
 template <class T>
-ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
+ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const MeshFile& file) {
     if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
     const auto make = [&](const auto& cage) -> ChosenCoordinates<T, 3> {
         if (choice.type() == cageform::CoordinateType::harmonic)
@@ -58,9 +58,9 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     made.note += (made.note.empty() || on_faces.empty() ? "" : "; ") + on_faces;
     return made;
 }
-template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const MeshFile&);
 template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const SiteFile<3>&);
 template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const SiteFile<3>&);
-template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const MeshFile&);
 
 } // namespace cageform_support

@@ -1,5 +1,6 @@
 #include "cli/mesh_cage.hpp"
 
+#include "files/obj_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 
@@ -14,13 +15,13 @@ std::size_t cage_dimension(const std::string& path) {
     return is_lattice_path(path) ? value_or_fail(lattice_dimension(path)) : path.ends_with(".obj") ? 3 : 2;
 }
 
-Expected<ObjFile> load_mesh_cage(const std::string& path) {
+Expected<MeshFile> load_mesh_cage(const std::string& path) {
     if (is_lattice_path(path)) {
         auto lattice = load_lattice<3>(path);
         if (!lattice) return lattice.error();
         return lattice_mesh(path, std::move(*lattice));
     }
-    auto file = load_obj(path);
+    auto file = load_mesh(path);
     if (file && file->faces.empty())
         return FileError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
     if (file && !file->folded.empty()) {
@@ -30,7 +31,7 @@ Expected<ObjFile> load_mesh_cage(const std::string& path) {
     return file;
 }
 
-ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
+MeshFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     const auto coordinates = lattice.coordinates<double>();
     std::string text;
     for (const auto& p : coordinates.handles()) {
@@ -69,7 +70,7 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     return std::move(*file);
 }
 
-cageform::CageParts cage_parts(const ObjFile& cage) {
+cageform::CageParts cage_parts(const MeshFile& cage) {
     if (cage.face_parts.empty()) return {};
     std::vector<int> numbers = cage.face_parts;
     std::replace(numbers.begin(), numbers.end(), 0, 1);
@@ -126,11 +127,11 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
     return text.str();
 }
 
-PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses, double seconds) {
+PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>& poses, double seconds) {
     PoseClip clip{
         "poses", seconds * double(poses.size() + 1), {{0, PoseInterpolation::smooth, cage.vertices}}};
     for (const std::string& path : poses) {
-        const auto pose = value_or_fail(load_obj(path));
+        const auto pose = value_or_fail(load_mesh(path));
         fail_if(pose_difference(cage, pose));
         fail_if(single_precision_fault(pose));
         clip.keys.push_back({seconds * double(clip.keys.size()), PoseInterpolation::smooth, pose.vertices});
@@ -138,17 +139,17 @@ PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>&
     return clip;
 }
 
-std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {
-    const auto count = [](const ObjFile& file, std::size_t vertices, const char* what) {
+std::string pose_difference(const MeshFile& cage, const MeshFile& pose) {
+    const auto count = [](const MeshFile& file, std::size_t vertices, const char* what) {
         return file.name + " has " + std::to_string(vertices) + what;
     };
     if (cage.vertices.size() != pose.vertices.size()) {
         return "the pose " + count(pose, pose.vertices.size(), " vertices, the cage ") +
                count(cage, cage.vertices.size(), "");
     }
-    const auto same = [](const ObjFace& a, const ObjFace& b) {
+    const auto same = [](const MeshFace& a, const MeshFace& b) {
         return std::equal(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
-                          [](const ObjCorner& p, const ObjCorner& q) { return p.vertex == q.vertex; });
+                          [](const MeshCorner& p, const MeshCorner& q) { return p.vertex == q.vertex; });
     };
     const std::size_t shared = std::min(cage.faces.size(), pose.faces.size());
     for (std::size_t f = 0; f < shared; ++f) {

@@ -4,7 +4,7 @@
 
 #include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
@@ -21,14 +21,14 @@ namespace cageform_support {
 std::size_t cage_dimension(const std::string& path);
 
 /// Reads a cage from an OBJ or lattice file; fails also if a face cannot be triangulated.
-Expected<ObjFile> load_mesh_cage(const std::string& path);
+Expected<MeshFile> load_mesh_cage(const std::string& path);
 
 /// A lattice as an OBJ file: its handles, boundary faces, and interior rows as lines.
-ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
+MeshFile lattice_mesh(std::string name, LatticeBox<3> lattice);
 
 /// The parts of a cage: the file's face groups part_1, part_2, part_-2 and so on; other faces are in part 1.
 /// Empty if there is no such group.
-cageform::CageParts cage_parts(const ObjFile& cage);
+cageform::CageParts cage_parts(const MeshFile& cage);
 
 /// "parts: 1 (39 vertices), 2 (15), -2 (15)".
 std::string describe_parts(const cageform::CageParts& parts);
@@ -54,12 +54,12 @@ enum class FacesAsFans : std::uint8_t { none, not_planar, all };
 /// mean of their corners sees all edges; else they are triangulated.
 ///
 ///   divisions   of quads, per side; above 1, all faces with more than three corners become fans
-CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions = 1);
+CageFaces faces_of(const MeshFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions = 1);
 
 /// Describes the treatment of faces with more than three corners; empty if there are none.
 ///
 ///   why   reason why polygons are not supported; empty if they are, or the user chose so
-std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);
+std::string describe_faces(const MeshFile& cage, const CageFaces& faces, const std::string& why);
 
 /// describe_faults() of a mesh, with a note on indices.
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
@@ -73,10 +73,10 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
 
 /// A smooth motion from rest through poses (OBJ files) and back, `seconds` per step. Fails if a file cannot
 /// be read, is not a pose of the cage, or exceeds single precision.
-PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses, double seconds);
+PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>& poses, double seconds);
 
 /// The difference that makes `pose` invalid for `cage`; empty if it is valid.
-std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
+std::string pose_difference(const MeshFile& cage, const MeshFile& pose);
 
 /// Returns a warning if faces point inwards: the pose mirrors the figure, or --flip-faces was given for a
 /// pose that does not. Else empty.
@@ -86,7 +86,7 @@ std::string describe_winding(const std::string& pose, const std::string& figure,
 
 /// The name of the first pose that mirrors a figure; empty if there is none.
 template <cageform::Scalar T>
-std::string first_mirror(const ObjFile& figure, const cageform::Binding<T, 3>& bound, const PoseClip& clip) {
+std::string first_mirror(const MeshFile& figure, const cageform::Binding<T, 3>& bound, const PoseClip& clip) {
     using cageform::Status;
     std::vector<cageform::Vec<T, 3>> moved(figure.vertices.size()), handles(bound.handle_count());
     std::vector<Point3> places(moved.size());

@@ -3,6 +3,7 @@
 #include "cli/auto_cage.hpp"
 #include "cli/mesh_cage.hpp"
 #include "files/bind_report.hpp"
+#include "files/obj_file.hpp"
 #include "io/messages.hpp"
 
 #include <algorithm>
@@ -67,23 +68,24 @@ MeshControl read_sites(const MeshControlChoice& given, std::span<const Point3> p
 /// first_pose() for generated cages.
 ///
 ///   held   vertices that no pose moves
-ObjFile read_pose(const MeshControlChoice& given, const ObjFile& cage, const std::vector<std::size_t>& held) {
+MeshFile read_pose(const MeshControlChoice& given, const MeshFile& cage,
+                   const std::vector<std::size_t>& held) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
         throw Failure("give --pose or operations such as --turn, but not both");
-    const auto put_back = [&](ObjFile pose) {
+    const auto put_back = [&](MeshFile pose) {
         for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
         return pose;
     };
     if (!given.pose.empty()) {
-        auto pose = value_or_fail(load_obj(given.pose));
+        auto pose = value_or_fail(load_mesh(given.pose));
         fail_if(pose_difference(cage, pose));
         return put_back(std::move(pose));
     }
     if (!operated && given.pins.is_given()) return cage;
     if (!operated && !CageChoice::of(given.cage).is_auto)
         throw Failure("--pose is required, or operations such as --turn, or --pin");
-    ObjFile pose = cage;
+    MeshFile pose = cage;
     if (operated) {
         const auto parts = cage_parts(cage);
         pose.vertices = given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
@@ -95,7 +97,7 @@ ObjFile read_pose(const MeshControlChoice& given, const ObjFile& cage, const std
 
 } // namespace
 
-MeshControl read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+MeshControl read_mesh_control(const MeshControlChoice& given, const MeshFile& figure,
                               std::span<const Point3> places) {
     if (given.choice.takes_sites()) return read_sites(given, places);
     auto cage = load_or_make_cage(given.cage, figure);

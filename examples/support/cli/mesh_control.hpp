@@ -6,7 +6,7 @@
 #include "cli/coordinates.hpp"
 #include "cli/pinned_cage.hpp"
 #include "cli/pose_choice.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <functional>
 #include <span>
@@ -18,7 +18,7 @@ namespace cageform_support {
 /// Coordinates, and the pose of their handles.
 struct MeshControl {
     ChosenCoordinates<double, 3> coordinates;
-    ObjFile cage, pose;          // for sites, only vertices
+    MeshFile cage, pose;         // for sites, only vertices
     std::vector<double> weights; // of sites, or empty
     std::function<std::string(const cageform::BindReport&)> describe_faults;
     std::vector<Point3> handles = {}; // pose of all handles if pins pose vectors of faces; else empty
@@ -50,7 +50,7 @@ struct MeshControlChoice {
 ///   figure   mesh that a generated cage encloses
 ///   places   points of the figure, for pins by vertex number and for --surround
 ///   fails    if a file cannot be read or does not match, no cage can be made, or pins cannot be solved
-MeshControl read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+MeshControl read_mesh_control(const MeshControlChoice& given, const MeshFile& figure,
                               std::span<const Point3> places);
 
 } // namespace cageform_support

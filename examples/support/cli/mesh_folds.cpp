@@ -41,7 +41,7 @@ void MeshFolds::add(const std::array<cageform::Binding<double, 3>, 3>& columns, 
     places += columns[0].point_count();
 }
 
-MeshFolds folds_of_cells(const ObjFile& mesh, std::span<const Point3> moved,
+MeshFolds folds_of_cells(const MeshFile& mesh, std::span<const Point3> moved,
                          const cageform::FoldOptions& options) {
     MeshFolds folds;
     folds.of_cells = true;

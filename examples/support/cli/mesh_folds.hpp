@@ -2,7 +2,7 @@
 
 // Detects folds of deformed meshes, and the largest step without a fold.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <cageform/clone/types/fold_report.hpp>
 #include <cageform/figure/binding.hpp>
@@ -36,7 +36,7 @@ struct MeshFolds {
 };
 
 /// Finds the folds of a mesh's tetrahedra.
-MeshFolds folds_of_cells(const ObjFile& mesh, std::span<const Point3> moved,
+MeshFolds folds_of_cells(const MeshFile& mesh, std::span<const Point3> moved,
                          const cageform::FoldOptions& options);
 
 /// Formats the folds in four lines.

@@ -5,8 +5,7 @@
 #include "cli/command_line.hpp"
 #include "cli/pose_operations.hpp"
 #include "files/cage_file.hpp"
-#include "files/clip_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/lattice_file.hpp"
 
 #include <optional>
 #include <string>
@@ -37,25 +36,6 @@ struct PoseChoice {
     /// a cage that is not a lattice, or leaves nothing to move.
     template <std::size_t D>
     std::vector<std::size_t> still(const std::optional<LatticeBox<D>>& lattice) const;
-};
-
-/// The motion of a cage in space: a clip, or from rest through poses or operations and back (--clip, --pose,
-/// --seconds and operations).
-struct MotionChoice {
-    std::string clip;
-    std::vector<std::string> poses;
-    PoseChoice operations;
-    double seconds = 1;
-
-    void add_options(CommandLine& line);
-    /// Sorts `poses` by number (order_by_numbers()), with notes. Call after parsing.
-    void order_poses();
-
-    bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
-    /// The motion; without keys if none is given. Vertices that no pose moves are reset to rest. Fails if a
-    /// file cannot be read or does not match, an operation is invalid, or numbers exceed single precision.
-    /// Fails also if more than one kind of motion is given.
-    PoseClip motion(const ObjFile& cage) const;
 };
 
 /// The pose from a file or operations; if neither is given, first_pose() for generated cages.

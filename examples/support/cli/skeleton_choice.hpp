@@ -4,7 +4,7 @@
 
 #include "cli/command_line.hpp"
 #include "files/bind_report.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "svg/path.hpp"
 
 #include <cageform/skeleton/fit_skeleton.hpp>

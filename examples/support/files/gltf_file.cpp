@@ -1,11 +1,12 @@
 #include "files/gltf_file.hpp"
 
 #include "files/moved_normals.hpp"
+#include "files/obj_file.hpp"
 #include "svg/css_colour.hpp"
 
 namespace cageform_support {
 
-Expected<ObjTexture> read_texture(const ObjFile& file) {
+Expected<ObjTexture> read_texture(const MeshFile& file) {
     ObjTexture texture;
     std::vector<std::string_view> words;
     std::size_t line = 1, total = 0;
@@ -23,7 +24,7 @@ Expected<ObjTexture> read_texture(const ObjFile& file) {
         } else if (words[0] == "f") {
             auto& corners = texture.of_face.emplace_back();
             for (const std::string_view word : std::span(words).subspan(1)) {
-                std::uint32_t& index = corners.emplace_back(ObjCorner::none);
+                std::uint32_t& index = corners.emplace_back(MeshCorner::none);
                 const std::size_t first = word.find('/'), second = word.find('/', first + 1);
                 if (first == std::string_view::npos || first + 1 == std::min(second, word.size())) continue;
                 const std::string why =
@@ -36,7 +37,7 @@ Expected<ObjTexture> read_texture(const ObjFile& file) {
     return texture;
 }
 
-Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
+Expected<std::vector<GltfMesh>> gltf_meshes(const MeshFile& file, const ObjParts& parts) {
     if (file.triangles.empty()) return FileError{file.name + ": holds no faces"};
     const auto texture = read_texture(file);
     if (!texture) return texture.error();
@@ -47,27 +48,27 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
     std::vector<std::uint32_t> place(file.vertices.size()); // index in the mesh
     for (std::size_t o = 0; o < of_object.size(); ++o) {
         GltfMesh mesh{parts.objects[o], {}, {}, {}, false};
-        std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : ObjCorner::none);
+        std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : MeshCorner::none);
         for (const std::size_t t : of_object[o]) {
             for (const std::uint32_t vertex : file.triangles[t]) place[vertex] = 0;
         }
         for (std::uint32_t v = 0; v < file.vertices.size(); ++v) {
-            if (place[v] == ObjCorner::none) continue;
+            if (place[v] == MeshCorner::none) continue;
             place[v] = std::uint32_t(mesh.corners.size());
-            mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
+            mesh.corners.push_back({v, MeshCorner::none, MeshCorner::none});
         }
         std::map<GltfMesh::Corner, std::uint32_t> known;
         std::vector<bool> met(mesh.corners.size()); // whether a corner uses the vertex's own index
         std::map<std::uint32_t, std::size_t> part_of;
         for (const std::size_t t : of_object[o]) {
             const std::size_t f = file.triangle_faces[t];
-            const ObjFace& face = file.faces[f];
+            const MeshFace& face = file.faces[f];
             const auto [part, is_first] = part_of.insert({parts.face_materials[f], mesh.parts.size()});
             if (is_first) mesh.parts.push_back({parts.face_materials[f], {}});
             for (const std::uint32_t vertex : file.triangles[t]) {
                 const auto at =
                     std::find_if(face.corners.begin(), face.corners.end(),
-                                 [&](const ObjCorner& corner) { return corner.vertex == vertex; });
+                                 [&](const MeshCorner& corner) { return corner.vertex == vertex; });
                 const std::uint32_t st = texture->of_face[f][std::size_t(at - face.corners.begin())];
                 const GltfMesh::Corner corner{vertex, at->normal, st};
                 const std::uint32_t own = place[vertex];
@@ -81,7 +82,7 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
         }
         if (!texture->coordinates.empty()) {
             for (const auto& corner : mesh.corners)
-                mesh.texture.push_back(corner.texture == ObjCorner::none
+                mesh.texture.push_back(corner.texture == MeshCorner::none
                                            ? std::array<float, 2>{}
                                            : texture->coordinates[corner.texture]);
         }
@@ -94,7 +95,7 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
     return meshes;
 }
 
-std::vector<Point3> joined_places(const ObjFile& figure) {
+std::vector<Point3> joined_places(const MeshFile& figure) {
     std::vector<double> edges; // limits the distance if parts differ much in size
     for (const auto& triangle : figure.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -173,18 +174,18 @@ std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span
     return positions;
 }
 
-std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
+std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const MeshFile& file,
                                                const MovedVertices& moved) {
     const MovedNormals turned(file, moved);
     std::vector<Point3> smooth(file.vertices.size());
-    for (const ObjFace& face : file.faces) {
+    for (const MeshFace& face : file.faces) {
         const Point3 area = detail::area_vector(face, moved.places);
-        for (const ObjCorner& corner : face.corners) smooth[corner.vertex] = smooth[corner.vertex] + area;
+        for (const MeshCorner& corner : face.corners) smooth[corner.vertex] = smooth[corner.vertex] + area;
     }
     std::vector<std::array<float, 3>> normals;
     for (const auto& corner : mesh.corners) {
-        Point3 n = corner.normal == ObjCorner::none ? smooth[corner.vertex]
-                                                    : turned.of_corner(corner.vertex, corner.normal);
+        Point3 n = corner.normal == MeshCorner::none ? smooth[corner.vertex]
+                                                     : turned.of_corner(corner.vertex, corner.normal);
         if (const double length = std::hypot(n[0], n[1], n[2]); length > 0 && std::isfinite(length))
             n = (1 / length) * n;
         else
@@ -232,7 +233,7 @@ std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<
     return tangents;
 }
 
-GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file) {
+GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const MeshFile& file) {
     using Use = GltfDocument::Use;
     GltfJson attributes;
     attributes["POSITION"] = document.add(gltf_positions(mesh, file.vertices), Use::vertices, true);

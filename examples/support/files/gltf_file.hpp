@@ -128,7 +128,7 @@ private:
 /// vertices of the file; one of several meshes has only those of its faces.
 struct GltfMesh {
     struct Corner {
-        std::uint32_t vertex, normal, texture; // indices of the OBJ file, or ObjCorner::none
+        std::uint32_t vertex, normal, texture; // indices of the OBJ file, or MeshCorner::none
         friend auto operator<=>(const Corner&, const Corner&) = default;
     };
     /// The faces of a material.
@@ -143,25 +143,25 @@ struct GltfMesh {
     bool takes_tangents = false;               // whether a material has a normal map
 };
 
-/// The texture coordinates of an OBJ file, which ObjFile does not parse.
+/// The texture coordinates of an OBJ file, which MeshFile does not parse.
 struct ObjTexture {
     std::vector<std::array<float, 2>> coordinates;   // v downwards
-    std::vector<std::vector<std::uint32_t>> of_face; // #faces · #corners, or ObjCorner::none
+    std::vector<std::vector<std::uint32_t>> of_face; // #faces · #corners, or MeshCorner::none
 };
 
 /// Fails on an invalid number or index.
-Expected<ObjTexture> read_texture(const ObjFile& file);
+Expected<ObjTexture> read_texture(const MeshFile& file);
 
 /// One mesh per object of a file; splits vertices as glTF requires. Fails if the file has no faces, or as
 /// read_texture().
-Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
+Expected<std::vector<GltfMesh>> gltf_meshes(const MeshFile& file, const ObjParts& parts);
 
 /// The positions of the mesh for the file's vertices at `places`.
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places);
 
 /// Unit normals of the mesh after a deformation: those of the file; if it has none, area-weighted means of
 /// adjacent faces.
-std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
+std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const MeshFile& file,
                                                const MovedVertices& moved);
 
 /// Tangents along u, perpendicular to the normals; the fourth number is the handedness (3.7.2.1). Empty for
@@ -170,7 +170,7 @@ std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<
                                                 std::span<const std::array<float, 3>> normals);
 
 /// The attributes of a mesh at rest.
-GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file);
+GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const MeshFile& file);
 
 /// One primitive per material; the primitives share attributes and targets.
 ///
@@ -211,7 +211,7 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
 /// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
 /// and some files round the copies differently. A vertex near an earlier position gets that position. Near:
 /// within 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
-std::vector<Point3> joined_places(const ObjFile& figure);
+std::vector<Point3> joined_places(const MeshFile& figure);
 
 /// The skin as shown by players that read only the first set (four joints per vertex) and normalise its
 /// weights.

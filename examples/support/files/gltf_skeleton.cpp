@@ -2,7 +2,7 @@
 
 namespace cageform_support {
 
-void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const ObjFile& figure,
+void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const MeshFile& figure,
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
                         std::size_t still) {
     const auto add = [&]<class Weight>(const std::vector<Weight>& list) {
@@ -149,7 +149,7 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
 }
 
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
-                          const ObjFile& figure, const std::string& moved, std::size_t bytes) {
+                          const MeshFile& figure, const std::string& moved, std::size_t bytes) {
     const auto count = [](std::size_t n, const char* thing) { return detail::counted(n, thing) + ", "; };
     std::size_t vertices = 0;
     for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();

@@ -14,7 +14,7 @@ namespace cageform_support {
 ///   weights   float, unorm8 or unorm16
 ///   joints    number of joints
 ///   still     joint of vertices without weights
-void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const ObjFile& figure,
+void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const MeshFile& figure,
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
                         std::size_t still);
 
@@ -55,7 +55,7 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
 ///   moved   such as "20 bones"
 ///   bytes   of the file
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
-                          const ObjFile& figure, const std::string& moved, std::size_t bytes);
+                          const MeshFile& figure, const std::string& moved, std::size_t bytes);
 
 /// The contents of a file, .gltf or .glb by its name; fails if they are larger than the format allows.
 Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path);

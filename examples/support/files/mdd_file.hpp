@@ -2,7 +2,7 @@
 
 // MDD files (point caches of LightWave, also written by Blender and Houdini): all vertex positions per frame.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <string>
 #include <vector>

@@ -13,7 +13,7 @@ namespace {
 /// Parser of sections: a keyword, the number of elements, and their numbers.
 class MeditReader {
 public:
-    MeditReader(const std::string& text, ObjFile& file, StrayVertices strays)
+    MeditReader(const std::string& text, MeshFile& file, StrayVertices strays)
         : text_(text)
         , scanner_(text)
         , file_(file)
@@ -26,7 +26,6 @@ public:
     }
 
 private:
-    static constexpr const char* first_word = "MeshVersionFormatted";
     static bool is_keyword(std::string_view word) {
         const bool has_letter = (word[0] >= 'A' && word[0] <= 'Z') || (word[0] >= 'a' && word[0] <= 'z');
         double number = 0; // nan, inf
@@ -46,8 +45,8 @@ private:
     }
 
     void read_all() {
-        if (!next() || word() != first_word)
-            return refuse(std::string("is not a .mesh file, which begins with ") + first_word);
+        if (!next() || word() != medit_keyword)
+            return refuse(std::string("is not a .mesh file, which begins with ") + medit_keyword);
         while (fault_.empty() && next()) {
             if (word() == "End") break;
             if (word() == "Dimension") {
@@ -174,9 +173,9 @@ private:
 
     const std::string& text_;
     detail::ObjScanner scanner_;
-    ObjFile& file_;
+    MeshFile& file_;
     StrayVertices strays_;
-    std::vector<std::size_t> lines_left_out_; // as ObjFile::left_out
+    std::vector<std::size_t> lines_left_out_; // as MeshFile::left_out
     std::vector<std::string_view> words_;     // of the current line
     std::size_t at_ = 0, line_ = 1;
     std::string fault_;
@@ -188,20 +187,14 @@ private:
 
 } // namespace
 
-Expected<ObjFile> parse_medit(std::string text, std::string name, StrayVertices strays) {
-    ObjFile file;
+Expected<MeshFile> parse_medit(std::string text, std::string name, StrayVertices strays) {
+    MeshFile file;
     file.name = std::move(name);
     if (text.empty()) return FileError{file.name + ": is empty"};
     const FileError fault = MeditReader(text, file, strays).read();
     if (!fault.message.empty()) return FileError{file.name + ": " + fault.message, fault.line};
     file.text = std::move(text);
     return file;
-}
-
-Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays) {
-    if (lowercase_extension(path) != ".mesh") return load_obj(path, strays);
-    auto text = read_text(path.string());
-    return text ? parse_medit(std::move(*text), path.string(), strays) : text.error();
 }
 
 detail::Triangles surface_of(std::span<const Point3> vertices,

@@ -20,6 +20,9 @@ inline constexpr const char* medit_format =
     "reference each. Triangles and Quadrilaterals are used only in files without\n"
     "tetrahedra. Everything else is copied as it is; # begins a comment.\n";
 
+/// The first word of a .mesh file.
+inline constexpr const char* medit_keyword = "MeshVersionFormatted";
+
 /// Parses a .mesh file.
 ///
 ///   name      prefix of every message
@@ -27,11 +30,8 @@ inline constexpr const char* medit_format =
 ///             oriented outwards, or without tetrahedra the faces of the file. `faces` is empty
 ///   fails     if a section is missing, incomplete or duplicate, a coordinate is not finite, an index is
 ///             invalid, or the dimension is not 3; the error has the line
-Expected<ObjFile> parse_medit(std::string text, std::string name,
-                              StrayVertices strays = StrayVertices::refuse);
-
-/// Reads a .mesh file, or an OBJ file for any other extension.
-Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays);
+Expected<MeshFile> parse_medit(std::string text, std::string name,
+                               StrayVertices strays = StrayVertices::refuse);
 
 /// The faces that belong to exactly one tetrahedron, counter-clockwise seen from outside.
 detail::Triangles surface_of(std::span<const Point3> vertices,

@@ -48,7 +48,7 @@ std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n) {
     return unless_same(n, (std::copysign(own, volume) / length) * moved);
 }
 
-MovedNormals::MovedNormals(const ObjFile& file, const MovedVertices& moved)
+MovedNormals::MovedNormals(const MeshFile& file, const MovedVertices& moved)
     : file_(file)
     , moved_(moved)
     , normals_(file.normals) {
@@ -60,7 +60,7 @@ MovedNormals::MovedNormals(const ObjFile& file, const MovedVertices& moved)
         const Point3 rest = detail::area_vector(file.faces[f], file.vertices);
         const Point3 now = detail::area_vector(file.faces[f], moved.places);
         for (const auto& [vertex, normal] : file.faces[f].corners) {
-            if (normal == ObjCorner::none) continue;
+            if (normal == MeshCorner::none) continue;
             if (!moved.jacobians.empty()) {
                 if (const auto n = moved_normal(moved.jacobians[vertex], file.normals[normal]))
                     sum[normal] = sum[normal] + *n;
@@ -93,9 +93,9 @@ std::vector<std::vector<std::uint32_t>> MovedNormals::split() const {
     std::vector<std::vector<std::uint32_t>> vertices(normals_.size());
     std::vector<bool> is_apart(normals_.size());
     bool is_any = false;
-    for (const ObjFace& face : file_.faces) {
+    for (const MeshFace& face : file_.faces) {
         for (const auto& [vertex, normal] : face.corners) {
-            if (normal == ObjCorner::none) continue;
+            if (normal == MeshCorner::none) continue;
             const Point3 own = of_corner(vertex, normal), across = cross(own, normals_[normal]);
             vertices[normal].push_back(vertex);
             if (!(std::sqrt(dot(across, across)) > apart * dot(own, normals_[normal]))) continue;

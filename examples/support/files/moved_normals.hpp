@@ -2,7 +2,7 @@
 
 // Normals of deformed OBJ files.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 namespace cageform_support {
 
@@ -19,7 +19,7 @@ std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
 ///   - Normals without faces, or whose face normals sum to zero, are unchanged.
 class MovedNormals {
 public:
-    MovedNormals(const ObjFile& file, const MovedVertices& moved);
+    MovedNormals(const MeshFile& file, const MovedVertices& moved);
 
     const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
@@ -29,7 +29,7 @@ public:
     std::vector<std::vector<std::uint32_t>> split() const;
 
 private:
-    const ObjFile& file_;
+    const MeshFile& file_;
     const MovedVertices moved_;
     std::vector<Point3> normals_;
 };

@@ -1,5 +1,6 @@
 #include "files/obj_parts.hpp"
 
+#include "files/obj_file.hpp"
 #include "io/csv.hpp"
 #include "io/input_file.hpp"
 
@@ -219,7 +220,7 @@ ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
 
 class PartReader {
 public:
-    explicit PartReader(const ObjFile& file)
+    explicit PartReader(const MeshFile& file)
         : file_(file)
         , folder_(fs::path(file.name).parent_path()) {}
 
@@ -347,7 +348,7 @@ private:
         if (!names.empty()) warn("glTF has no equivalent of these statements: " + names);
     }
 
-    const ObjFile& file_;
+    const MeshFile& file_;
     fs::path folder_;
     ObjParts parts_;
     std::map<std::string, std::uint32_t> objects_, used_;
@@ -361,7 +362,7 @@ private:
 
 } // namespace
 
-ObjParts read_parts(const ObjFile& file) {
+ObjParts read_parts(const MeshFile& file) {
     return PartReader(file).read();
 }
 
@@ -384,7 +385,7 @@ std::string describe_unused(const ObjParts& of_file) {
     return text.empty() ? text : text + '\n';
 }
 
-std::vector<std::string> material_files(const ObjFile& file) {
+std::vector<std::string> material_files(const MeshFile& file) {
     std::vector<std::string> names;
     std::vector<std::string_view> words;
     std::size_t line = 1;

@@ -2,7 +2,7 @@
 
 // Objects and materials of OBJ and MTL files.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <array>
 #include <cstdint>
@@ -42,9 +42,9 @@ std::string describe_unused(const ObjParts& parts);
 /// Reads the statements o, usemtl and mtllib of a file, and g if it has no o. Repeated names continue the
 /// same object or material. MTL files and textures are opened only in the folder of the OBJ file and its
 /// subfolders; of a path to another folder, only the file name is used, beside the OBJ file.
-ObjParts read_parts(const ObjFile& file);
+ObjParts read_parts(const MeshFile& file);
 
 /// The MTL files that a file names, as written.
-std::vector<std::string> material_files(const ObjFile& file);
+std::vector<std::string> material_files(const MeshFile& file);
 
 } // namespace cageform_support

@@ -1,5 +1,6 @@
 #include "files/posed_file.hpp"
 
+#include "files/obj_file.hpp"
 #include "io/csv.hpp"
 
 #include <algorithm>
@@ -58,12 +59,12 @@ PosedFile::PosedFile(PosedFormat format, std::size_t dimension, std::size_t scal
     for (const auto& triangle : triangles) add_face(triangle);
 }
 
-PosedFile::PosedFile(PosedFormat format, std::size_t scalar_bytes, const ObjFile& mesh)
+PosedFile::PosedFile(PosedFormat format, std::size_t scalar_bytes, const MeshFile& mesh)
     : format_(format)
     , mesh_(format == PosedFormat::obj ? &mesh : nullptr) {
     if (mesh_ != nullptr) return;
     std::size_t most = 0;
-    for (const ObjFace& face : mesh.faces) most = std::max(most, face.corners.size());
+    for (const MeshFace& face : mesh.faces) most = std::max(most, face.corners.size());
     begin(3, scalar_bytes, mesh.vertices.size(), mesh.faces.size(), most);
     for (const auto& corners : face_loops(mesh)) add_face(corners);
 }

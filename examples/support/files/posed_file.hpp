@@ -2,7 +2,7 @@
 
 // Writes posed points: OBJ, ASCII and binary PLY, NumPy arrays.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <cageform/core/vec.hpp>
 
@@ -34,7 +34,7 @@ public:
               Triangles triangles);
 
     /// The vertices of a mesh in space, which must outlive this object.
-    PosedFile(PosedFormat format, std::size_t scalar_bytes, const ObjFile& mesh);
+    PosedFile(PosedFormat format, std::size_t scalar_bytes, const MeshFile& mesh);
 
     /// Whether the file has normals, for which Jacobians are useful.
     bool has_normals() const { return mesh_ != nullptr && !mesh_->normals.empty(); }
@@ -53,7 +53,7 @@ private:
     void add_face(std::span<const std::uint32_t> corners);
 
     PosedFormat format_;
-    const ObjFile* mesh_ = nullptr;
+    const MeshFile* mesh_ = nullptr;
     std::string head_, tail_;   // before and after the points
     bool many_corners_ = false; // a face has more than 255 corners
 };

@@ -42,17 +42,8 @@ Expected<SiteFile<2>> read_site_circles(const std::string& path) {
     return sites;
 }
 
-Expected<SiteFile<3>> read_site_vertices(const std::string& path) {
-    auto file = load_obj(path);
-    if (!file) return file.error();
-    SiteFile<3> sites{path, std::move(file->vertices), {}};
-    std::vector<std::string_view> words;
-    std::size_t line = 1;
-    for (ObjScanner scanner(file->text); scanner.next(words, line);) {
-        if (words[0] == "v") sites.places.push_back("line " + std::to_string(line));
-    }
-    return sites;
-}
+template Expected<SiteFile<2>> read_site_csv(const std::string&);
+template Expected<SiteFile<3>> read_site_csv(const std::string&);
 
 } // namespace detail
 
@@ -66,35 +57,6 @@ Expected<std::size_t> site_dimension(const std::string& path) {
         if (rows.take(line)) return std::size_t(detail::cells_of(line).size() == 3 ? 3 : 2);
     }
     return FileError{path + ": holds no points"};
-}
-
-template <std::size_t D>
-Expected<SiteFile<D>> load_sites(const std::string& path) {
-    const auto read = [&] {
-        if (path.ends_with(".csv")) return detail::read_site_csv<D>(path);
-        if constexpr (D == 2)
-            return detail::read_site_circles(path);
-        else
-            return detail::read_site_vertices(path);
-    };
-    auto sites = read();
-    if (sites && sites->points.empty()) return FileError{path + ": holds no points"};
-    return sites;
-}
-
-template <std::size_t D>
-Expected<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites) {
-    auto pose = load_sites<D>(path);
-    if (!pose) return pose;
-    if (pose->points.size() != sites.points.size()) {
-        return FileError{path + ": the pose has " + std::to_string(pose->points.size()) + " points, " +
-                         sites.name + " " + std::to_string(sites.points.size())};
-    }
-    for (std::size_t i = 0; i < pose->points.size(); ++i) {
-        if (!cageform::is_finite(cageform::to_vec<double>(pose->points[i])))
-            return FileError{path + ": " + pose->places[i] + ": a number is not finite"};
-    }
-    return pose;
 }
 
 Expected<std::vector<double>> load_site_weights(const std::string& path, std::size_t count) {
@@ -172,10 +134,6 @@ std::string describe_site_faults(const SiteFile<D>& sites, const cageform::BindR
     return text;
 }
 
-template Expected<SiteFile<2>> load_sites(const std::string&);
-template Expected<SiteFile<3>> load_sites(const std::string&);
-template Expected<SiteFile<2>> load_site_pose(const std::string&, const SiteFile<2>&);
-template Expected<SiteFile<3>> load_site_pose(const std::string&, const SiteFile<3>&);
 template std::string surround_sites<2>(double, const std::vector<Point2>&, SiteFile<2>&, SiteFile<2>&);
 template std::string surround_sites<3>(double, const std::vector<Point3>&, SiteFile<3>&, SiteFile<3>&);
 template std::string single_precision_fault(const SiteFile<2>&);

@@ -3,7 +3,7 @@
 // Files of sites (control points without a cage) and their poses.
 
 #include "files/cage_file.hpp"
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <cageform/binding/bind.hpp>
 
@@ -33,19 +33,51 @@ inline constexpr const char* site_formats =
     "CSV file (.csv); empty lines and lines that begin with # are skipped. A pose has as\n"
     "many points, in the same order. Only points inside the convex hull can move.\n";
 
+namespace detail {
+
+template <std::size_t D>
+Expected<SiteFile<D>> read_site_csv(const std::string& path);
+Expected<SiteFile<2>> read_site_circles(const std::string& path);
+Expected<SiteFile<3>> read_site_vertices(const std::string& path); // in the library of programs in space
+
+} // namespace detail
+
 /// The dimension of the sites of a file: 2 for SVG, 3 for OBJ; for CSV by its first point, without other
 /// checks.
 Expected<std::size_t> site_dimension(const std::string& path);
 
-/// Reads sites from a CSV file, an SVG (D = 2) or an OBJ file (D = 3).
+/// Reads sites from a CSV file, an SVG (D = 2) or a mesh (D = 3).
 ///
 ///   fails   if the file cannot be read or has no points; the library checks whether they are usable
 template <std::size_t D>
-Expected<SiteFile<D>> load_sites(const std::string& path);
+Expected<SiteFile<D>> load_sites(const std::string& path) {
+    const auto read = [&] {
+        if (path.ends_with(".csv")) return detail::read_site_csv<D>(path);
+        if constexpr (D == 2)
+            return detail::read_site_circles(path);
+        else
+            return detail::read_site_vertices(path);
+    };
+    auto sites = read();
+    if (sites && sites->points.empty()) return FileError{path + ": holds no points"};
+    return sites;
+}
 
 /// Reads a pose of sites; fails also if the number of points differs, or one is not finite.
 template <std::size_t D>
-Expected<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites);
+Expected<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites) {
+    auto pose = load_sites<D>(path);
+    if (!pose) return pose;
+    if (pose->points.size() != sites.points.size()) {
+        return FileError{path + ": the pose has " + std::to_string(pose->points.size()) + " points, " +
+                         sites.name + " " + std::to_string(sites.points.size())};
+    }
+    for (std::size_t i = 0; i < pose->points.size(); ++i) {
+        if (!cageform::is_finite(cageform::to_vec<double>(pose->points[i])))
+            return FileError{path + ": " + pose->places[i] + ": a number is not finite"};
+    }
+    return pose;
+}
 
 /// Help text on weights of sites.
 inline constexpr const char* site_weights_format =

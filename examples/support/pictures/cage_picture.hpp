@@ -4,8 +4,6 @@
 
 #include "cli/pins.hpp"
 #include "files/cage_file.hpp"
-#include "files/obj_file.hpp"
-#include "pictures/picture.hpp"
 
 #include <string>
 #include <vector>
@@ -28,9 +26,5 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);
 
 /// Draws pins in root user space: a dot at every target, and a line from the rest position.
 void draw_pins(SvgDocument& document, const std::vector<Pin<2>>& pins, double diagonal);
-
-/// Draws a cage in space from the front and the back: faces, edges at rest in grey, and numbers of the
-/// vertices of visible faces.
-Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);
 
 } // namespace cageform_support

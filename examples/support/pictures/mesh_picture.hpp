@@ -2,7 +2,7 @@
 
 // Software renderer of meshes: figures in their cages, several side by side.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "pictures/picture.hpp"
 
 #include <array>
@@ -24,7 +24,7 @@ struct MeshView {
 };
 
 /// A cage with other vertex positions.
-inline MeshView cage_view(const ObjFile& cage, std::span<const Point3> vertices) {
+inline MeshView cage_view(const MeshFile& cage, std::span<const Point3> vertices) {
     return {vertices, cage.triangles, {}, {}, cage.triangle_faces};
 }
 

@@ -29,7 +29,7 @@ struct PaintedCage {
     std::vector<SpaceText> numbers;
 };
 
-PaintedCage painted(const ObjFile& cage) {
+PaintedCage painted(const MeshFile& cage) {
     PaintedCage made;
     const auto parts = cage_parts(cage);
     std::vector<Point3> moments(parts.parts.size());
@@ -54,7 +54,7 @@ PaintedCage painted(const ObjFile& cage) {
 
 } // namespace
 
-Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t width, std::size_t height,
+Picture draw_cage_parts(const MeshFile& figure, const MeshFile& cage, std::size_t width, std::size_t height,
                         const ViewAngles& sight) {
     const MeshView lines = cage_view(cage, cage.vertices);
     const MeshScene caged{{figure.vertices, figure.triangles}, lines};
@@ -64,6 +64,41 @@ Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t 
     const PaintedCage paint = painted(cage);
     const MeshScene parts{{paint.vertices, paint.triangles, paint.colours}, lines, {}, paint.numbers};
     return draw_meshes(std::array{caged, parts}, width, height, sight);
+}
+
+Picture draw_pose(const MeshFile& cage, const std::vector<Point3>& pose) {
+    constexpr std::size_t width = 900, height = 1000;
+    constexpr Colour paper{0.98f, 0.93f, 0.9f}, at_rest{0.7f, 0.7f, 0.7f}, ink{0.76f, 0.22f, 0.48f};
+    SpacePlot plot;
+    const std::vector<Colour> colours(pose.size(), paper);
+    plot.surface = {pose, cage.triangles, colours};
+    for (const MeshFace& face : cage.faces) {
+        for (std::size_t k = 0; k < face.corners.size(); ++k) {
+            const auto i = face.corners[k].vertex, j = face.corners[(k + 1) % face.corners.size()].vertex;
+            if (cage.vertices != pose)
+                plot.lines.push_back({{cage.vertices[i], cage.vertices[j]}, 1, at_rest});
+            plot.lines.push_back({{pose[i], pose[j]}, 1.2, ink});
+        }
+    }
+    std::stable_sort(plot.lines.begin(), plot.lines.end(),
+                     [](const SpaceLine& a, const SpaceLine& b) { return a.thickness < b.thickness; });
+    Picture picture(2 * width, height);
+    for (const std::size_t side : {0, 1}) { // y is up, the front faces z
+        const ViewDirections flat = view_from(side == 0 ? -25 : 155, 12);
+        const auto y_up = [](const Point3& v) { return Point3{v[0], v[2], -v[1]}; };
+        const ViewDirections view{y_up(flat.right), y_up(flat.up), y_up(flat.towards)};
+        std::vector<bool> is_seen(pose.size()); // vertex of a face towards the viewer
+        for (const MeshFace& face : cage.faces) {
+            if (dot(detail::area_vector(face, pose), view.towards) <= 0) continue;
+            for (const MeshCorner& corner : face.corners) is_seen[corner.vertex] = true;
+        }
+        plot.texts.clear();
+        for (std::size_t i = 0; i < pose.size(); ++i) {
+            if (is_seen[i]) plot.texts.push_back({pose[i], std::to_string(i)});
+        }
+        picture.place(draw_plot(plot, view, width, height), side * width);
+    }
+    return picture;
 }
 
 } // namespace cageform_support

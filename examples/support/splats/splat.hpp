@@ -3,7 +3,7 @@
 // Covariances of 3D Gaussian splats (Kerbl, Kopanas, Leimkühler, Drettakis, SIGGRAPH 2023): affine maps,
 // conversion to rotation and scale, splitting.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 
 #include <array>
 #include <cstddef>

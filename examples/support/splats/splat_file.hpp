@@ -2,7 +2,7 @@
 
 // Scenes of 3D Gaussian splatting: binary PLY files as written by trainers and read by viewers.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "splats/splat.hpp"
 
 #include <array>

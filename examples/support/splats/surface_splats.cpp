@@ -14,7 +14,7 @@ namespace cageform_support {
 namespace {
 
 /// Twice the area of a triangle, times its normal.
-Point3 area_vector(const ObjFile& mesh, std::size_t triangle) {
+Point3 area_vector(const MeshFile& mesh, std::size_t triangle) {
     const auto& [a, b, c] = mesh.triangles[triangle];
     const auto& v = mesh.vertices;
     return cross(v[b] - v[a], v[c] - v[a]);
@@ -47,13 +47,13 @@ std::array<double, 3> paint(const Point3& place, const cageform::Bounds<double, 
 
 } // namespace
 
-double area_of(const ObjFile& mesh) {
+double area_of(const MeshFile& mesh) {
     double area = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += length_of(area_vector(mesh, t)) / 2;
     return area;
 }
 
-SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
+SplatFile splats_on(const MeshFile& mesh, const SurfaceSplatOptions& options) {
     SplatFile scene = empty_scene(options.degree);
     const double area = area_of(mesh), step = area / double(options.count);
     const auto box = cageform::bounds_of(std::span<const Point3>(mesh.vertices));

@@ -2,7 +2,7 @@
 
 // Converts a mesh to a scene of splats.
 
-#include "files/obj_file.hpp"
+#include "files/mesh_file.hpp"
 #include "splats/splat_file.hpp"
 
 #include <cstddef>
@@ -22,9 +22,9 @@ struct SurfaceSplatOptions {
 ///
 ///   mesh      with positive area
 ///   returns   the same scene for the same options, on all machines with the same mathematical library
-SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options);
+SplatFile splats_on(const MeshFile& mesh, const SurfaceSplatOptions& options);
 
 /// The area of all faces.
-double area_of(const ObjFile& mesh);
+double area_of(const MeshFile& mesh);
 
 } // namespace cageform_support

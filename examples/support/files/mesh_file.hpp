@@ -1,0 +1,216 @@
+#pragma once
+
+// Figures, cages and poses in space, from files of any format.
+
+#include "files/lattice_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/expected.hpp"
+
+#include <cageform/core/vec.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_support {
+
+using Point3 = cageform::Vec<double, 3>;
+
+/// Help text on meshes.
+inline constexpr const char* mesh_formats =
+    "Meshes are OBJ files with faces of any number of corners, or Medit .mesh files. The\n"
+    "contents of a file decide its format. The output is the input with moved points and\n"
+    "normals, and everything else as it was.\n"
+    "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
+    "normal of its own. glTF files get objects, materials, textures and the colours of\n"
+    "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
+    "Numbers have to be finite, except at vertices that no face uses. More than\n"
+    "4,294,967,294 vertices are not supported.\n"
+    "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
+    "faults count from 0.\n"
+    "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
+    "outside; it can have several shells. A pose is the same mesh with its vertices\n"
+    "moved.\n";
+
+struct MeshCorner {
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+    std::uint32_t vertex = 0; // from 0
+    std::uint32_t normal = none;
+    friend bool operator==(const MeshCorner&, const MeshCorner&) = default;
+};
+
+/// A face with three or more corners.
+struct MeshFace {
+    std::vector<MeshCorner> corners;
+    std::size_t line = 0;
+};
+
+/// The positions of the three numbers of a `v` or `vn` statement in the text.
+struct ObjNumbers {
+    bool is_normal = false;
+    std::array<std::size_t, 3> begin{};
+    std::array<std::size_t, 3> end{};
+};
+
+struct MeshFile;
+struct MovedVertices;
+
+/// A file, as written by a program.
+struct WrittenFile {
+    std::filesystem::path path;
+    std::string bytes;
+};
+
+/// The contents of a binary file, which writes them with moved vertices.
+class MeshDocument {
+public:
+    MeshDocument() = default;
+    MeshDocument(const MeshDocument&) = delete;
+    MeshDocument& operator=(const MeshDocument&) = delete;
+    virtual ~MeshDocument() = default;
+
+    /// The name of the format, such as "PLY".
+    virtual std::string_view format() const = 0;
+    /// The file with moved vertices and normals, and files that it refers to. Everything else is unchanged.
+    ///
+    ///   mesh    the mesh of this document
+    ///   path    of the output; its extension is one of the format
+    virtual Expected<std::vector<WrittenFile>> moved(const MeshFile& mesh, const MovedVertices& moved,
+                                                     const std::filesystem::path& path) const = 0;
+    /// The document with the corners of each face reversed; null if the format does not support it.
+    virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
+};
+
+/// A mesh in world space, and the contents of its file.
+struct MeshFile {
+    std::string name;                             // for messages
+    std::string text;                             // of an OBJ or .mesh file
+    std::shared_ptr<const MeshDocument> document; // of any other file; null if there is none
+    std::vector<Point3> vertices;
+    std::vector<Point3> colours;       // #vertices, white by default; empty if no vertex has a colour
+    bool has_bytes_as_colours = false; // whether a colour was above 1, so that the range is 0 to 255
+    std::vector<std::size_t> left_out; // stray vertices, moved to the first other vertex
+    std::vector<Point3> normals;
+    std::vector<Point3> guides;      // points that only the writer of the document needs, such as joints
+    std::vector<ObjNumbers> numbers; // in file order
+    std::vector<MeshFace> faces;
+    std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in file order
+    std::vector<std::uint32_t> triangle_faces;           // #triangles: index of the face
+    std::vector<std::size_t> folded;      // faces without a triangulation of consistent orientation
+    std::optional<LatticeBox<3>> lattice; // vertices: control points, then frame handles
+    std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
+    std::vector<int> face_parts; // #faces: N of the group part_N, else 0; empty if there is no such group
+};
+
+/// Handling of unused vertices that are not finite or far away.
+enum class StrayVertices : std::uint8_t { refuse, leave_out };
+inline StrayVertices strays_of(bool is_strict) {
+    return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
+}
+
+namespace detail {
+
+/// Twice the area of a face times its normal.
+Point3 area_vector(const MeshFace& face, std::span<const Point3> vertices);
+
+/// Leaves out unused vertices that would inflate the figure's size: those that are not finite, or farther
+/// from the box of the used vertices than a million times its diagonal. They are moved to the first other
+/// vertex. Returns the error if no vertex remains; else empty.
+///
+///   used   #vertices: whether a face or a cell uses the vertex
+std::string place_left_out(MeshFile& file, const std::vector<bool>& used, StrayVertices strays);
+
+inline constexpr const char* vertex_not_finite = "the coordinates of a vertex are not finite";
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+/// Sets the triangles of the faces, by tinyobjloader. The faces must be valid, since tinyobjloader does not check
+/// them. Returns the error; empty on success.
+std::string triangulate(MeshFile& file);
+
+/// The format of a file that is not OBJ, by its first bytes; empty if unknown.
+std::string_view other_format(std::string_view text);
+
+} // namespace detail
+
+/// The vertices of each face.
+std::vector<std::vector<std::uint32_t>> face_loops(const MeshFile& file);
+
+/// Name of the face group of a part of a cage.
+inline std::string part_group(int number) {
+    return "part_" + std::to_string(number);
+}
+
+/// The extensions of files that load_mesh() reads and save_mesh() writes.
+inline constexpr std::initializer_list<const char*> mesh_extensions{".obj",  ".mesh", ".glb",
+                                                                    ".gltf", ".ply",  ".stl"};
+
+/// Reads a file; its contents decide the format.
+///
+///   fails   if the file cannot be read, or as the parser of its format
+Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
+
+/// The error if the extension of an output is not one of the mesh's format; else empty.
+std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
+
+/// Writes the mesh's file with moved vertices and normals.
+///
+///   fails   if the format cannot store the result
+std::optional<FileError> save_mesh(const MeshFile& mesh, const MovedVertices& moved, const std::string& out,
+                                   OutputFiles& outputs);
+
+/// The first vertex out of the range of single precision, with its line; nothing if there is none.
+std::optional<FileError> single_precision_fault(const MeshFile& file);
+
+/// The sign of the determinant of the affine map nearest to a motion: -1 if a pose mirrors a figure, 0 if one
+/// of them is flat, else 1.
+int side_of(std::span<const Point3> rest, std::span<const Point3> moved);
+inline bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
+    return side_of(rest, moved) < 0;
+}
+
+/// The positions of the vertices of all triangles, or of all vertices if there are none. Unused vertices do
+/// not affect the size of a figure.
+std::vector<Point3> used_positions(std::span<const Point3> places,
+                                   std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// The diagonal of the bounds of used_positions().
+double size_of(const MeshFile& figure);
+
+/// Origin for positions in single precision. If the figure is far from the origin, the middle of the bounds
+/// of used_positions(), rounded to single precision; else the origin. Rounding errors of positions are then
+/// below 1e-6 of the figure's size.
+Point3 far_origin(const MeshFile& figure);
+
+/// Returns the error if single precision rounds positions by more than 1e-6 of their size; else empty.
+std::string rounding_fault(const std::string& name, std::span<const Point3> places);
+
+/// Positions relative to an origin.
+std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places);
+
+/// The Jacobian of a deformation at a vertex: images of the three axes.
+using Jacobian3 = std::array<Point3, 3>;
+
+/// A deformation of a file's vertices.
+struct MovedVertices {
+    std::span<const Point3> places;         ///< #vertices
+    std::span<const Jacobian3> jacobians{}; ///< #vertices, or empty if unknown
+    std::span<const Point3> guides{};       ///< #guides, or empty if unknown
+};
+
+/// Counts statements other than `keywords`: "800 of "vt", 2 of "usemtl", 8066 colours"; empty if there are
+/// none.
+std::string describe_others(const MeshFile& file, std::initializer_list<std::string_view> keywords);
+
+/// Reverses the corners of each face, also in the text.
+MeshFile with_faces_reversed(MeshFile file);
+
+} // namespace cageform_support
