@@ -1,5 +1,6 @@
 #include "files/pose_rows.hpp"
 #include "cli/row_range.hpp"
+#include "files/obj_file.hpp"
 #include "files/posed_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"

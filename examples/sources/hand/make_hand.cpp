@@ -10,6 +10,7 @@
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
 #include "files/gltf_file.hpp"
+#include "files/obj_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"
