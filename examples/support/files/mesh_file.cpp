@@ -2,15 +2,19 @@
 
 #include "files/medit_file.hpp"
 #include "files/obj_file.hpp"
+#include "files/ply_mesh.hpp"
 #include "files/site_file.hpp"
+#include "files/stl_file.hpp"
 #include "io/csv.hpp"
 #include "io/input_file.hpp"
 
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 namespace cageform_support {
 
@@ -22,13 +26,7 @@ std::string_view other_format(std::string_view text) {
         return begin.starts_with(word) && begin.size() > word.size() &&
                std::strchr(" \t\r\n", begin[word.size()]) != nullptr;
     };
-    constexpr std::size_t stl_head = 84, stl_triangle = 50; // bytes
-    if (text.size() > stl_head) {
-        std::uint32_t triangles = 0;
-        for (std::size_t k = 4; k > 0; --k)
-            triangles = triangles << 8 | static_cast<unsigned char>(text[stl_head - 5 + k]);
-        if (text.size() == stl_head + std::uint64_t{triangles} * stl_triangle) return "STL";
-    }
+    if (is_binary_stl(text)) return "STL";
     if (begins_with_word("solid") || begins_with_word("SOLID")) return "STL";
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
@@ -172,7 +170,11 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     std::vector<std::string_view> words; // of the first line
     std::size_t line = 0;
     const bool is_medit = detail::ObjScanner(*bytes).next(words, line) && words[0] == medit_keyword;
-    if (is_medit || lowercase_extension(path) == ".mesh") return parse_medit(std::move(*bytes), name, strays);
+    const std::string extension = lowercase_extension(path);
+    if (is_medit || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
+    const std::string_view format = detail::other_format(*bytes);
+    if (format == "PLY" || extension == ".ply") return parse_ply(std::move(*bytes), name, strays);
+    if (format == "STL" || extension == ".stl") return parse_stl(std::move(*bytes), name);
     return parse_obj(std::move(*bytes), name, strays);
 }
 
@@ -186,8 +188,14 @@ Expected<SiteFile<3>> detail::read_site_vertices(const std::string& path) {
 }
 
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
-    const std::string own = lowercase_extension(mesh.name), given = lowercase_extension(out);
-    if (given == own) return {};
+    std::string own = lowercase_extension(mesh.name);
+    if (mesh.document != nullptr) {
+        own = '.';
+        for (const char c : mesh.document->format()) own += char(std::tolower(static_cast<unsigned char>(c)));
+    } else if (own != ".mesh") {
+        own = ".obj";
+    }
+    if (lowercase_extension(out) == own) return {};
     return "-o " + out + ": the figure " + mesh.name + " is written as " + own;
 }
 
@@ -264,6 +272,45 @@ Point3 far_origin(const MeshFile& figure) {
     const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
     const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
     return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
+}
+
+std::vector<Point3> joined_places(const MeshFile& figure) {
+    std::vector<double> edges; // limits the distance if parts differ much in size
+    for (const auto& triangle : figure.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];
+            if (const double squared = dot(edge, edge); squared > 0) edges.push_back(squared);
+        }
+    }
+    const auto shorter = edges.begin() + std::ptrdiff_t(edges.size() / 20);
+    std::nth_element(edges.begin(), shorter, edges.end());
+    const double most = edges.empty() ? HUGE_VAL : 0.01 * std::sqrt(*shorter);
+    const double apart = std::min(1e-6 * size_of(figure), most);
+    if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
+    std::vector<Point3> places;
+    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes of edge length 2 · apart
+    const auto cube = [&](const Point3& p) {
+        std::array<double, 3> lower;
+        for (std::size_t k = 0; k < 3; ++k)
+            lower[k] = std::floor((p[k] - figure.vertices[0][k]) / (2 * apart));
+        return lower;
+    };
+    for (const Point3& p : figure.vertices) {
+        const Point3* joined = nullptr;
+        for (unsigned corner = 0; corner < 8 && joined == nullptr; ++corner) {
+            const auto side = [&](unsigned k) { return (corner >> k & 1u) != 0 ? apart : -apart; };
+            const auto found = known.find(cube(p + Point3{side(0), side(1), side(2)}));
+            if (found == known.end()) continue;
+            for (const Point3& q : found->second) {
+                if (!(std::sqrt(dot(p - q, p - q)) <= apart)) continue;
+                joined = &q;
+                break;
+            }
+        }
+        places.push_back(joined != nullptr ? *joined : p);
+        if (joined == nullptr) known[cube(p)].push_back(p);
+    }
+    return places;
 }
 
 std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places) {

@@ -60,6 +60,12 @@ struct ObjNumbers {
     std::array<std::size_t, 3> end{};
 };
 
+/// The vertices of a cage that were welded from those of its file.
+struct WeldedVertices {
+    std::vector<std::uint32_t> of_vertices; // #vertices of the file: vertex of the cage
+    std::vector<std::uint32_t> of_corners;  // likewise for all corners of faces, in the order of the file
+};
+
 struct MeshFile;
 struct MovedVertices;
 
@@ -87,6 +93,8 @@ public:
                                                      const std::filesystem::path& path) const = 0;
     /// The document with the corners of each face reversed; null if the format does not support it.
     virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
+    /// Counts what an OBJ file of vertices, normals, colours and faces would not keep; empty if it keeps all.
+    virtual std::string others() const { return {}; }
 };
 
 /// A mesh in world space, and the contents of its file.
@@ -107,6 +115,7 @@ struct MeshFile {
     std::vector<std::size_t> folded;      // faces without a triangulation of consistent orientation
     std::optional<LatticeBox<3>> lattice; // vertices: control points, then frame handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
+    std::optional<WeldedVertices> welded;                 // of a cage whose file is not OBJ
     std::vector<int> face_parts; // #faces: N of the group part_N, else 0; empty if there is no such group
 };
 
@@ -195,6 +204,11 @@ std::string rounding_fault(const std::string& name, std::span<const Point3> plac
 
 /// Positions relative to an origin.
 std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places);
+
+/// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
+/// and some files round the copies differently. A vertex near an earlier position gets that position. Near:
+/// within 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
+std::vector<Point3> joined_places(const MeshFile& figure);
 
 /// The Jacobian of a deformation at a vertex: images of the three axes.
 using Jacobian3 = std::array<Point3, 3>;
