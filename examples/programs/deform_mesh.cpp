@@ -1,4 +1,4 @@
-// Deforms an OBJ figure or a tetrahedral mesh by a cage and a pose of the cage.
+// Deforms a surface, a cloud of points or a tetrahedral mesh by a cage and a pose of the cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
@@ -274,7 +274,7 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
         note(figure.name + ": its normals are computed from the faces: " + folds.unknown);
     OutputFiles outputs;
-    outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
+    fail_if(save_mesh(figure, {moved, jacobians}, given.out, outputs));
     if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
     if (!given.picture.empty())
         draw_pose(given, figure, control, posed).write_png(outputs.add(given.picture));
@@ -288,14 +288,14 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Deforms an OBJ figure or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
-        "the cage.");
+        "Deforms a surface, a cloud of points or a tetrahedral mesh by a cage, a closed mesh around it, "
+        "and a pose of the cage.");
     line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
                        "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj",
                        "model.obj --cage cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj",
                        "part.mesh --cage box --twist all:x,0,4,90 --no-folds -o twisted.mesh --report"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ or .mesh file to deform").required();
+    line.add("figure", given.figure, "the file to deform: OBJ, PLY, STL or .mesh").required();
     given.control.add_options(line);
     line.add_flag(
         "--no-folds", given.no_folds,
@@ -308,9 +308,9 @@ int run_program(int argc, char** argv) {
         .rarely_needed();
     add_strict(line, given.is_strict);
     add_flip_faces(line, given.flips_faces);
-    line.add("-o,--output", given.out, "the file to write: .obj or .mesh, like the figure")
+    line.add("-o,--output", given.out, "the file to write, in the format of the figure")
         .required()
-        .ends_with({".obj", ".mesh"});
+        .ends_with({mesh_extensions.begin(), mesh_extensions.end()});
     given.control.outside.add_options(line);
     given.control.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
@@ -325,13 +325,9 @@ int run_program(int argc, char** argv) {
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.control.fault());
-    const std::string ending = lowercase_extension(given.figure) == ".mesh" ? ".mesh" : ".obj";
-    if (lowercase_extension(given.out) != ending)
-        return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
-
     auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (given.flips_faces && ending == ".mesh")
-        return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
+    fail_if(fault_of_extension(figure, given.out));
+    if (given.flips_faces) figure = value_or_fail(with_faces_reversed(std::move(figure)));
     auto control = read_mesh_control(given.control, figure, figure.vertices);
     fail_if(given.control.save_fault(control));
     given.paints = weight.is_given();
@@ -340,6 +336,5 @@ int run_program(int argc, char** argv) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control.cage.vertices.size()));
     }
-    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return deform_figure(given, figure, std::move(control));
 }

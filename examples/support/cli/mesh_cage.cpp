@@ -15,9 +15,7 @@ namespace cageform_support {
 
 std::size_t cage_dimension(const std::string& path) {
     if (is_lattice_path(path)) return value_or_fail(lattice_dimension(path));
-    const std::string extension = lowercase_extension(path);
-    return std::find(mesh_extensions.begin(), mesh_extensions.end(), extension) != mesh_extensions.end() ? 3
-                                                                                                         : 2;
+    return is_mesh_path(path) ? 3 : 2;
 }
 
 namespace {

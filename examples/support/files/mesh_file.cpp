@@ -160,6 +160,13 @@ std::string triangulate(MeshFile& file) {
     return {};
 }
 
+/// Whether the first word of a text is that of a .mesh file.
+bool is_medit(std::string_view text) {
+    std::vector<std::string_view> words;
+    std::size_t line = 0;
+    return ObjScanner(text).next(words, line) && words[0] == medit_keyword;
+}
+
 } // namespace detail
 
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays) {
@@ -167,11 +174,8 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
-    std::vector<std::string_view> words; // of the first line
-    std::size_t line = 0;
-    const bool is_medit = detail::ObjScanner(*bytes).next(words, line) && words[0] == medit_keyword;
     const std::string extension = lowercase_extension(path);
-    if (is_medit || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
+    if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
     const std::string_view format = detail::other_format(*bytes);
     if (format == "PLY" || extension == ".ply") return parse_ply(std::move(*bytes), name, strays);
     if (format == "STL" || extension == ".stl") return parse_stl(std::move(*bytes), name);
@@ -187,14 +191,16 @@ Expected<SiteFile<3>> detail::read_site_vertices(const std::string& path) {
     return sites;
 }
 
+std::string extension_of(const MeshFile& mesh) {
+    if (mesh.document == nullptr) return detail::is_medit(mesh.text) ? ".mesh" : ".obj";
+    std::string extension(1, '.');
+    for (const char c : mesh.document->format())
+        extension += char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
-    std::string own = lowercase_extension(mesh.name);
-    if (mesh.document != nullptr) {
-        own = '.';
-        for (const char c : mesh.document->format()) own += char(std::tolower(static_cast<unsigned char>(c)));
-    } else if (own != ".mesh") {
-        own = ".obj";
-    }
+    const std::string own = extension_of(mesh);
     if (lowercase_extension(out) == own) return {};
     return "-o " + out + ": the figure " + mesh.name + " is written as " + own;
 }
@@ -327,10 +333,13 @@ std::vector<std::vector<std::uint32_t>> face_loops(const MeshFile& file) {
     return loops;
 }
 
-MeshFile with_faces_reversed(MeshFile file) {
+Expected<MeshFile> with_faces_reversed(MeshFile file) {
+    auto document = file.document != nullptr ? file.document->with_faces_reversed() : nullptr;
+    if (file.document != nullptr ? document == nullptr : file.faces.empty() && !file.triangles.empty())
+        return FileError{file.name + ": the faces of this file cannot be reversed"};
+    file.document = std::move(document);
     file.text =
         detail::with_faces_reversed(file.text); // vertex lines do not move: MeshFile::numbers stay valid
-    if (file.document != nullptr) file.document = file.document->with_faces_reversed();
     for (MeshFace& face : file.faces) std::reverse(face.corners.begin() + 1, face.corners.end());
     for (auto& triangle : file.triangles) std::swap(triangle[1], triangle[2]);
     return file;

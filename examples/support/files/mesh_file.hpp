@@ -8,6 +8,7 @@
 
 #include <cageform/core/vec.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,19 +26,23 @@ using Point3 = cageform::Vec<double, 3>;
 
 /// Help text on meshes.
 inline constexpr const char* mesh_formats =
-    "Meshes are OBJ files with faces of any number of corners, or Medit .mesh files. The\n"
-    "contents of a file decide its format. The output is the input with moved points and\n"
-    "normals, and everything else as it was.\n"
+    "Meshes are OBJ, PLY or STL files with faces of any number of corners, or Medit .mesh\n"
+    "files. The contents of a file decide its format. The output is the input with moved\n"
+    "points and normals, and everything else as it was.\n"
     "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
     "normal of its own. glTF files get objects, materials, textures and the colours of\n"
     "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
+    "PLY: binary or ASCII; moved numbers keep their types. A file without faces is a cloud\n"
+    "of points. STL: binary or ASCII; equal corners are one vertex, numbered in the order of\n"
+    "the file, and normals are those of the moved triangles.\n"
     "Numbers have to be finite, except at vertices that no face uses. More than\n"
     "4,294,967,294 vertices are not supported.\n"
     "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
     "faults count from 0.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
     "outside; it can have several shells. A pose is the same mesh with its vertices\n"
-    "moved.\n";
+    "moved. In a cage that is no OBJ file, vertices at one place become one; it is numbered\n"
+    "in the order of the file, and its poses are written as OBJ.\n";
 
 struct MeshCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -162,10 +167,19 @@ inline std::string part_group(int number) {
 inline constexpr std::initializer_list<const char*> mesh_extensions{".obj",  ".mesh", ".glb",
                                                                     ".gltf", ".ply",  ".stl"};
 
+/// Whether the extension of a file is that of a mesh in space.
+inline bool is_mesh_path(const std::filesystem::path& path) {
+    const std::string extension = lowercase_extension(path);
+    return std::find(mesh_extensions.begin(), mesh_extensions.end(), extension) != mesh_extensions.end();
+}
+
 /// Reads a file; its contents decide the format.
 ///
 ///   fails   if the file cannot be read, or as the parser of its format
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
+
+/// The extension of the mesh's format, such as ".ply".
+std::string extension_of(const MeshFile& mesh);
 
 /// The error if the extension of an output is not one of the mesh's format; else empty.
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
@@ -224,7 +238,9 @@ struct MovedVertices {
 /// none.
 std::string describe_others(const MeshFile& file, std::initializer_list<std::string_view> keywords);
 
-/// Reverses the corners of each face, also in the text.
-MeshFile with_faces_reversed(MeshFile file);
+/// Reverses the corners of each face, also in the file's contents.
+///
+///   fails   if the contents have faces that cannot be reversed: cells, triangle strips, other lists of corners
+Expected<MeshFile> with_faces_reversed(MeshFile file);
 
 } // namespace cageform_support
