@@ -22,7 +22,7 @@ namespace {
 
 [[maybe_unused]] FileError unsupported(const std::string& extension, const std::string& library) {
     return {extension + " is not supported by this build (" + library +
-            "); decompress the file with \"gltf-transform copy in.glb out.glb\""};
+            "); decompress the file with \"npx @gltf-transform/cli copy in.glb out.glb\""};
 }
 
 } // namespace
