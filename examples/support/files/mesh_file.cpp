@@ -197,6 +197,12 @@ std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
            (own.size() > 1 ? " or " + own[1] : "");
 }
 
+std::string fault_of_reversing(const MeshFile& mesh) {
+    const bool is_supported =
+        mesh.document == nullptr ? mesh.tetrahedra.empty() : mesh.document->with_faces_reversed() != nullptr;
+    return is_supported ? "" : "--flip-faces: " + mesh.name + ": the format is not supported";
+}
+
 Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,
                                              const std::string& out, OutputFiles& outputs) {
     if (mesh.document == nullptr) {

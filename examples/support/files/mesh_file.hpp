@@ -157,8 +157,7 @@ inline std::string part_group(int number) {
 }
 
 /// The extensions of files that load_mesh() reads and save_mesh() writes.
-inline constexpr std::initializer_list<const char*> mesh_extensions{".obj",  ".mesh", ".glb",
-                                                                    ".gltf", ".ply",  ".stl"};
+inline const std::vector<std::string> mesh_extensions{".obj", ".mesh", ".glb", ".gltf", ".ply", ".stl"};
 
 /// Reads a file; its contents decide the format.
 ///
@@ -167,6 +166,9 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
 
 /// The error if the extension of an output is not one of the mesh's format; else empty.
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
+
+/// The error if with_faces_reversed() does not support the mesh's format; else empty.
+std::string fault_of_reversing(const MeshFile& mesh);
 
 /// Writes the mesh's file with moved vertices and normals. Returns notes for the user; fails if the format
 /// cannot store the result.
