@@ -347,13 +347,15 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         const bool has_faces = format != PosedFormat::npy;
         if (given.flips_faces && !has_faces)
             return fail("--flip-faces: " + given.mesh + " is written without faces");
-        if (given.flips_faces) *mesh = value_or_fail(with_faces_reversed(std::move(*mesh)));
+        if (given.flips_faces && format == PosedFormat::mesh) fail_if(fault_of_reversing(*mesh));
+        if (given.flips_faces) *mesh = with_faces_reversed(std::move(*mesh));
         PosedFile file(format, scalar_bytes, *mesh);
         const std::string others = format == PosedFormat::mesh  ? ""
                                    : format == PosedFormat::npy ? describe_others(*mesh, {"v"})
                                                                 : describe_others(*mesh, {"v", "f"});
         if (!others.empty())
-            note(given.mesh + ": not written: " + others + "; " + extension_of(*mesh) + " files keep all");
+            note(given.mesh + ": not written: " + others + "; " + extensions_of(*mesh)[0] +
+                 " files keep all");
         return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; a mesh is in space");

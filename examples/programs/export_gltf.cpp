@@ -678,7 +678,7 @@ Scene read_scene(const Arguments& given) {
     Scene scene;
     scene.figure = load_mesh_figure(given.figure, given.is_strict);
     scene.cage = load_or_make_cage(given.cage, scene.figure);
-    if (given.flips_faces) scene.figure = value_or_fail(with_faces_reversed(std::move(scene.figure)));
+    if (given.flips_faces) scene.figure = with_faces_reversed(std::move(scene.figure));
     scene.parts = read_parts(scene.figure);
     scene.meshes = value_or_fail(gltf_meshes(scene.figure, scene.parts));
     if (!given.labels.empty())

@@ -260,6 +260,6 @@ int run_program(int argc, char** argv) {
 
     auto figure = load_mesh_figure(given.rest, given.is_strict);
     fail_if(single_precision_fault(figure));
-    if (given.flips_faces) figure = value_or_fail(with_faces_reversed(std::move(figure)));
+    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return fit_figure(given, std::move(figure));
 }

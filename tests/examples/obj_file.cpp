@@ -296,8 +296,8 @@ TEST_CASE("tangents point along u, and their sign is that of v", "[examples][obj
 
 TEST_CASE("reversing faces changes only the order of their corners in the text", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
-        const MeshFile file = parsed(text), turned = *with_faces_reversed(file), read = parsed(turned.text);
-        CHECK(with_faces_reversed(turned)->text == text);
+        const MeshFile file = parsed(text), turned = with_faces_reversed(file), read = parsed(turned.text);
+        CHECK(with_faces_reversed(turned).text == text);
         CHECK(to_text(turned, file.vertices) == turned.text);
         REQUIRE(turned.faces.size() == file.faces.size());
         for (std::size_t f = 0; f < file.faces.size(); ++f) {

@@ -1,5 +1,6 @@
 #include "files/mesh_file.hpp"
 
+#include "files/gltf_scene.hpp"
 #include "files/medit_file.hpp"
 #include "files/obj_file.hpp"
 #include "files/ply_mesh.hpp"
@@ -11,7 +12,6 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -175,10 +175,11 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
     const std::string extension = lowercase_extension(path);
-    if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
     const std::string_view format = detail::other_format(*bytes);
+    if (format == "glTF") return parse_gltf(std::move(*bytes), name);
     if (format == "PLY" || extension == ".ply") return parse_ply(std::move(*bytes), name, strays);
     if (format == "STL" || extension == ".stl") return parse_stl(std::move(*bytes), name);
+    if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
     return parse_obj(std::move(*bytes), name, strays);
 }
 
@@ -191,30 +192,34 @@ Expected<SiteFile<3>> detail::read_site_vertices(const std::string& path) {
     return sites;
 }
 
-std::string extension_of(const MeshFile& mesh) {
-    if (mesh.document == nullptr) return detail::is_medit(mesh.text) ? ".mesh" : ".obj";
-    std::string extension(1, '.');
-    for (const char c : mesh.document->format())
-        extension += char(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
+std::vector<std::string> extensions_of(const MeshFile& mesh) {
+    if (mesh.document != nullptr) return mesh.document->extensions();
+    return {detail::is_medit(mesh.text) ? ".mesh" : ".obj"};
 }
 
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
-    const std::string own = extension_of(mesh);
-    if (lowercase_extension(out) == own) return {};
-    return "-o " + out + ": the figure " + mesh.name + " is written as " + own;
+    const auto own = extensions_of(mesh);
+    if (std::find(own.begin(), own.end(), lowercase_extension(out)) != own.end()) return {};
+    return "-o " + out + ": the figure " + mesh.name + " is written as " + own[0] +
+           (own.size() > 1 ? " or " + own[1] : "");
 }
 
-std::optional<FileError> save_mesh(const MeshFile& mesh, const MovedVertices& moved, const std::string& out,
-                                   OutputFiles& outputs) {
+std::string fault_of_reversing(const MeshFile& mesh) {
+    const bool is_supported = mesh.document == nullptr ? !detail::is_medit(mesh.text)
+                                                       : mesh.document->with_faces_reversed() != nullptr;
+    return is_supported ? "" : "--flip-faces: " + mesh.name + ": the format is not supported";
+}
+
+Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,
+                                             const std::string& out, OutputFiles& outputs) {
     if (mesh.document == nullptr) {
         outputs.add(out).write(to_text(mesh, moved));
-        return std::nullopt;
+        return std::vector<std::string>();
     }
-    const auto files = mesh.document->moved(mesh, moved, out);
-    if (!files) return files.error();
-    for (const WrittenFile& file : *files) outputs.add(file.path).write(file.bytes);
-    return std::nullopt;
+    auto written = mesh.document->moved(mesh, moved, out);
+    if (!written) return written.error();
+    for (const WrittenFile& file : written->files) outputs.add(file.path).write(file.bytes);
+    return std::move(written->notes);
 }
 
 std::optional<FileError> single_precision_fault(const MeshFile& file) {
@@ -333,11 +338,8 @@ std::vector<std::vector<std::uint32_t>> face_loops(const MeshFile& file) {
     return loops;
 }
 
-Expected<MeshFile> with_faces_reversed(MeshFile file) {
-    auto document = file.document != nullptr ? file.document->with_faces_reversed() : nullptr;
-    if (file.document != nullptr ? document == nullptr : file.faces.empty() && !file.triangles.empty())
-        return FileError{file.name + ": the faces of this file cannot be reversed"};
-    file.document = std::move(document);
+MeshFile with_faces_reversed(MeshFile file) {
+    if (file.document != nullptr) file.document = file.document->with_faces_reversed();
     file.text =
         detail::with_faces_reversed(file.text); // vertex lines do not move: MeshFile::numbers stay valid
     for (MeshFace& face : file.faces) std::reverse(face.corners.begin() + 1, face.corners.end());

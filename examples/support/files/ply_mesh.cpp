@@ -50,8 +50,9 @@ public:
         : bytes_(std::move(bytes)) {}
 
     std::string_view format() const override { return "PLY"; }
-    Expected<std::vector<WrittenFile>> moved(const MeshFile& mesh, const MovedVertices& moved,
-                                             const std::filesystem::path& path) const override;
+    std::vector<std::string> extensions() const override { return {".ply"}; }
+    Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
+                              const std::filesystem::path& path) const override;
     std::shared_ptr<const MeshDocument> with_faces_reversed() const override;
     std::string others() const override;
 
@@ -61,8 +62,8 @@ private:
     std::string bytes_;
 };
 
-Expected<std::vector<WrittenFile>> PlyDocument::moved(const MeshFile& mesh, const MovedVertices& moved,
-                                                      const std::filesystem::path& path) const {
+Expected<MovedFile> PlyDocument::moved(const MeshFile& mesh, const MovedVertices& moved,
+                                       const std::filesystem::path& path) const {
     PlyReader reader(bytes_, mesh.name);
     const PlyElement& element = *reader.header().find("vertex");
     Names names = place_names;
@@ -89,7 +90,7 @@ Expected<std::vector<WrittenFile>> PlyDocument::moved(const MeshFile& mesh, cons
                 return FileError{mesh.name + ": vertex " + std::to_string(i) + ": " + of.name + ' ' + why};
         }
     }
-    return std::vector<WrittenFile>{{path, std::move(result).finish()}};
+    return MovedFile{{{path, std::move(result).finish()}}, {}};
 }
 
 std::shared_ptr<const MeshDocument> PlyDocument::with_faces_reversed() const {

@@ -114,9 +114,9 @@ Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<T, D>> p
         for (std::size_t n = 0; n < D * points.size(); ++n)
             moved[n / D][n % D] = detail::as_written(points[n / D][n % D]);
         if (mesh_->document == nullptr) return to_text(*mesh_, {moved, jacobians});
-        auto files = mesh_->document->moved(*mesh_, {moved, jacobians}, {});
-        if (!files) return files.error();
-        return std::move(files->front().bytes);
+        auto written = mesh_->document->moved(*mesh_, {moved, jacobians}, {});
+        if (!written) return written.error();
+        return std::move(written->files.front().bytes);
     }
     const bool as_text = format_ == PosedFormat::obj || format_ == PosedFormat::ply_text;
     const std::size_t axes = format_ == PosedFormat::npy ? D : 3;

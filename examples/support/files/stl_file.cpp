@@ -173,8 +173,9 @@ public:
         : bytes_(std::move(bytes)) {}
 
     std::string_view format() const override { return "STL"; }
-    Expected<std::vector<WrittenFile>> moved(const MeshFile& mesh, const MovedVertices& moved,
-                                             const std::filesystem::path& path) const override;
+    std::vector<std::string> extensions() const override { return {".stl"}; }
+    Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
+                              const std::filesystem::path& path) const override;
     std::shared_ptr<const MeshDocument> with_faces_reversed() const override;
     std::string others() const override;
 
@@ -200,8 +201,8 @@ std::optional<Point3> normal_of(const StlFacet& facet, const MeshFace& face, con
     return (1 / length) * area;
 }
 
-Expected<std::vector<WrittenFile>> StlDocument::moved(const MeshFile& mesh, const MovedVertices& moved,
-                                                      const std::filesystem::path& path) const {
+Expected<MovedFile> StlDocument::moved(const MeshFile& mesh, const MovedVertices& moved,
+                                       const std::filesystem::path& path) const {
     StlReader reader(bytes_, mesh.name);
     ReplacedNumbers result(bytes_, reader.encoding());
     StlFacet facet;
@@ -217,7 +218,7 @@ Expected<std::vector<WrittenFile>> StlDocument::moved(const MeshFile& mesh, cons
         if (!why.empty())
             return FileError{mesh.name + ": triangle " + std::to_string(f) + ": a coordinate " + why};
     }
-    return std::vector<WrittenFile>{{path, std::move(result).finish()}};
+    return MovedFile{{{path, std::move(result).finish()}}, {}};
 }
 
 std::shared_ptr<const MeshDocument> StlDocument::with_faces_reversed() const {
