@@ -174,11 +174,13 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
+    std::string_view format = detail::other_format(*bytes);
     const std::string extension = lowercase_extension(path);
-    const std::string_view format = detail::other_format(*bytes);
+    if (format.empty() && extension == ".ply") format = "PLY";
+    if (format.empty() && extension == ".stl") format = "STL";
     if (format == "glTF") return parse_gltf(std::move(*bytes), name);
-    if (format == "PLY" || extension == ".ply") return parse_ply(std::move(*bytes), name, strays);
-    if (format == "STL" || extension == ".stl") return parse_stl(std::move(*bytes), name);
+    if (format == "PLY") return parse_ply(std::move(*bytes), name, strays);
+    if (format == "STL") return parse_stl(std::move(*bytes), name);
     if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
     return parse_obj(std::move(*bytes), name, strays);
 }
