@@ -193,11 +193,9 @@ std::string declared(const PlyProperty& property) {
            std::string(name_of(property.type)) + ' ' + property.name + '\n';
 }
 
-/// A random PLY file. Property names that are moved or read have known meanings; all others begin with q.
-RandomFile random_ply(Random& random) {
-    RandomFile file;
-    file.encoding = PlyEncoding(random.below(3));
-    constexpr std::array encodings{"ascii", "binary_little_endian", "binary_big_endian"};
+/// The elements of a random PLY file. Properties that are moved or read have their usual names; all others begin
+/// with q.
+std::vector<PlyElement> random_elements(Random& random) {
     const std::size_t vertices = 1 + random.below(30), faces = vertices < 6 ? 0 : random.below(20);
     const bool has_normals = random.below(2) == 0, has_colours = random.below(2) == 0;
     std::vector<PlyElement> elements;
@@ -208,21 +206,22 @@ RandomFile random_ply(Random& random) {
     };
     const auto add_element = [&](const std::string& name) {
         if (random.below(3) != 0) return;
-        PlyElement element{name, random.below(5), {}};
-        element.properties.push_back(other_property(random, "q"));
+        PlyElement element{name, random.below(5), {other_property(random, "q")}};
         add_others(element);
         elements.push_back(std::move(element));
     };
     add_element("before");
     PlyElement vertex{"vertex", vertices, {}};
-    for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"}) {
-        const bool is_normal = name[0] == 'n', is_colour = name[0] > 'a' && name[0] < 'x' && !is_normal;
-        if ((is_normal && !has_normals) || (is_colour && !has_colours)) continue;
-        const PlyType type = is_colour && random.below(2) == 0 ? PlyType::uint8
-                             : random.below(2) == 0            ? PlyType::float32
-                                                               : PlyType::float64;
-        vertex.properties.push_back({name, type, {}});
-    }
+    const auto add_numbers = [&](std::initializer_list<const char*> names, bool is_colour) {
+        for (const char* const name : names) {
+            const PlyType real = random.below(2) == 0 ? PlyType::float32 : PlyType::float64;
+            vertex.properties.push_back(
+                {name, is_colour && random.below(2) == 0 ? PlyType::uint8 : real, {}});
+        }
+    };
+    add_numbers({"x", "y", "z"}, false);
+    if (has_normals) add_numbers({"nx", "ny", "nz"}, false);
+    if (has_colours) add_numbers({"red", "green", "blue"}, true);
     add_others(vertex);
     for (std::size_t n = vertex.properties.size(); n > 1; --n)
         std::swap(vertex.properties[n - 1], vertex.properties[random.below(n)]);
@@ -231,57 +230,71 @@ RandomFile random_ply(Random& random) {
     if (faces > 0) {
         PlyElement face{"face", faces, {}};
         add_others(face);
-        face.properties.push_back({random.below(2) == 0 ? "vertex_indices" : "vertex_index",
-                                   PlyType(random.below(6)), PlyType(random.below(6))});
+        const char* const name = random.below(2) == 0 ? "vertex_indices" : "vertex_index";
+        face.properties.push_back({name, PlyType(random.below(6)), PlyType(random.below(6))});
         add_others(face);
         elements.push_back(std::move(face));
         if (random.below(4) == 0) std::swap(elements.back(), elements.front());
     }
     add_element("after");
+    return elements;
+}
 
+/// Adds a face with random neighbouring vertices.
+void add_face(RandomFile& file, Random& random, const PlyProperty& property, std::size_t vertices) {
+    auto& face = file.faces.emplace_back();
+    const std::size_t corners = 3 + random.below(3), first = random.below(vertices);
+    for (std::size_t k = 0; k < corners; ++k) face.push_back(std::uint32_t((first + k) % vertices));
+    file.add_number(random, *property.count, double(corners));
+    for (const std::uint32_t corner : face) file.add_number(random, property.type, double(corner));
+}
+
+/// Adds a number of the last vertex, which has a random value.
+void add_of_vertex(RandomFile& file, Random& random, const PlyProperty& property) {
+    const std::string& name = property.name;
+    const std::size_t axis = name.ends_with("y") || name == "green"  ? 1
+                             : name.ends_with("z") || name == "blue" ? 2
+                                                                     : 0;
+    if (name.size() > 2) {
+        const bool is_byte = property.type == PlyType::uint8;
+        const double colour = double(random.below(256)) / (is_byte ? 1 : 255);
+        file.colours.back()[axis] = file.add_number(random, property.type, colour) / (is_byte ? 255 : 1);
+        return;
+    }
+    std::size_t vector = file.vectors.size() - 1; // the normal, if any, follows the place
+    if (name.size() == 1 && file.vectors[vector].kind == Vector::normal) --vector;
+    double& number = file.vectors[vector].value[axis];
+    number = file.add_number(random, property.type, number, vector, axis);
+}
+
+RandomFile random_ply(Random& random) {
+    RandomFile file;
+    file.encoding = PlyEncoding(random.below(3));
+    constexpr std::array encodings{"ascii", "binary_little_endian", "binary_big_endian"};
+    const auto elements = random_elements(random);
     std::string header =
         std::string("ply\nformat ") + encodings[std::size_t(file.encoding)] + " 1.0\ncomment of a test\n";
+    std::size_t vertices = 0;
     for (const PlyElement& element : elements) {
         header += "element " + element.name + ' ' + std::to_string(element.count) + '\n';
         for (const PlyProperty& property : element.properties) header += declared(property);
+        if (element.name == "vertex") vertices = std::size_t(element.count);
     }
     file.add(header + "end_header\n");
     for (const PlyElement& element : elements) {
+        const bool is_vertex = element.name == "vertex";
         for (std::uint64_t n = 0; n < element.count; ++n) {
-            const bool is_vertex = element.name == "vertex";
-            std::size_t place = 0, normal = 0;
-            if (is_vertex) {
-                place = file.vectors.size();
-                file.vectors.push_back({Vector::place, random_point(random, 2), {}});
-                normal = file.vectors.size();
-                if (has_normals) file.vectors.push_back({Vector::normal, random_point(random, 1), {}});
-                if (has_colours) file.colours.emplace_back();
-            }
+            if (is_vertex) file.vectors.push_back({Vector::place, random_point(random, 2), {}});
+            if (is_vertex && element.find("nx"))
+                file.vectors.push_back({Vector::normal, random_point(random, 1), {}});
+            if (is_vertex && element.find("red")) file.colours.emplace_back();
             for (const PlyProperty& property : element.properties) {
-                const std::string& name = property.name;
-                const std::size_t axis = name.ends_with("y") || name == "green"  ? 1
-                                         : name.ends_with("z") || name == "blue" ? 2
-                                                                                 : 0;
-                if (name[0] == 'q') {
+                if (property.name[0] == 'q')
                     add_other(file, random, property);
-                } else if (name[0] == 'v') {
-                    auto& face = file.faces.emplace_back();
-                    const std::size_t corners = 3 + random.below(3), first = random.below(vertices);
-                    for (std::size_t k = 0; k < corners; ++k)
-                        face.push_back(std::uint32_t((first + k) % vertices));
-                    file.add_number(random, *property.count, double(corners));
-                    for (const std::uint32_t corner : face)
-                        file.add_number(random, property.type, double(corner));
-                } else if (name.size() <= 2) {
-                    const std::size_t vector = name.size() == 1 ? place : normal;
-                    double& number = file.vectors[vector].value[axis];
-                    number = file.add_number(random, property.type, number, vector, axis);
-                } else {
-                    const bool is_byte = property.type == PlyType::uint8;
-                    const double colour = double(random.below(256)) / (is_byte ? 1 : 255);
-                    file.colours.back()[axis] =
-                        file.add_number(random, property.type, colour) / (is_byte ? 255 : 1);
-                }
+                else if (is_vertex)
+                    add_of_vertex(file, random, property);
+                else
+                    add_face(file, random, property, vertices);
             }
             if (file.encoding == PlyEncoding::ascii) file.add(random.below(3) == 0 ? "\r\n" : "\n");
         }
@@ -289,62 +302,57 @@ RandomFile random_ply(Random& random) {
     return file;
 }
 
-/// A random STL file of triangles between the points of a grid.
+/// Adds a triangle between points of a grid, with attributes or line breaks.
+void add_triangle(RandomFile& file, Random& random) {
+    const bool is_text = file.encoding == PlyEncoding::ascii;
+    const auto add_text = [&](const std::string& text) {
+        if (is_text) file.add(text + (random.below(3) == 0 ? "\r\n\t" : " "));
+    };
+    std::array<Point3, 3> corners;
+    for (Point3& p : corners) {
+        for (std::size_t k = 0; k < 3; ++k) p[k] = (double(random.below(4)) - 1) * (0.37 + 0.11 * double(k));
+        if (!is_text) p = cageform::vec_cast<double>(cageform::vec_cast<float>(p));
+    }
+    const Point3 area = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const bool is_zero = length(area) < 1e-3 || random.below(4) == 0;
+    std::optional<std::size_t> vector;
+    if (!is_zero) {
+        vector = file.vectors.size();
+        file.vectors.push_back({Vector::facet_normal, {}, corners});
+    }
+    add_text("facet");
+    add_text("normal");
+    for (std::size_t k = 0; k < 3; ++k)
+        file.add_number(random, PlyType::float32, is_zero ? 0 : area[k] / length(area), vector, k);
+    add_text("outer loop");
+    for (const Point3& p : corners) {
+        add_text("Vertex");
+        vector = file.vectors.size();
+        file.vectors.push_back({Vector::place, p, {}});
+        for (std::size_t k = 0; k < 3; ++k) {
+            double& number = file.vectors.back().value[k];
+            number = file.add_number(random, PlyType::float32, p[k], vector, k);
+        }
+    }
+    add_text("endloop");
+    add_text("ENDFACET");
+    if (is_text && random.below(5) == 0) file.add("endsolid a\nsolid b\n");
+    if (!is_text) file.add({char(random.below(256)), char(random.below(256))});
+}
+
 RandomFile random_stl(Random& random) {
     RandomFile file;
-    const bool is_text = random.below(2) == 0;
-    file.encoding = is_text ? PlyEncoding::ascii : PlyEncoding::little_endian;
     const std::size_t triangles = 1 + random.below(30);
-    const auto blank = [&] { file.add(random.below(3) == 0 ? "\r\n\t" : " "); };
-    if (is_text) {
+    if (random.below(2) == 0) {
         file.add(random.below(2) == 0 ? "solid a facet of b\n" : "SOLID\n");
     } else {
+        file.encoding = PlyEncoding::little_endian;
         std::string head(80, random.below(2) == 0 ? '\0' : 'x');
         if (random.below(2) == 0) head.replace(0, 6, "solid ");
         for (int k = 0; k < 32; k += 8) head += char(triangles >> k & 255);
         file.add(head);
     }
-    const Point3 step{0.37, 0.41, 0.59};
-    for (std::size_t t = 0; t < triangles; ++t) {
-        std::array<Point3, 3> corners;
-        for (Point3& p : corners) {
-            for (std::size_t k = 0; k < 3; ++k) p[k] = (double(random.below(4)) - 1) * step[k];
-        }
-        if (!is_text) {
-            for (Point3& p : corners) p = cageform::vec_cast<double>(cageform::vec_cast<float>(p));
-        }
-        const Point3 area = cross(corners[1] - corners[0], corners[2] - corners[0]);
-        const bool has_area = length(area) > 1e-3, is_zero = !has_area || random.below(4) == 0;
-        std::optional<std::size_t> vector;
-        if (!is_zero) {
-            vector = file.vectors.size();
-            file.vectors.push_back({Vector::facet_normal, {}, corners});
-        }
-        if (is_text) file.add("facet\tnormal ");
-        for (std::size_t k = 0; k < 3; ++k)
-            file.add_number(random, PlyType::float32, is_zero ? 0 : area[k] / length(area), vector, k);
-        if (is_text) {
-            blank();
-            file.add("outer loop\n");
-        }
-        for (const Point3& p : corners) {
-            if (is_text) file.add("Vertex ");
-            vector = file.vectors.size();
-            file.vectors.push_back({Vector::place, p, {}});
-            for (std::size_t k = 0; k < 3; ++k) {
-                double& number = file.vectors.back().value[k];
-                number = file.add_number(random, PlyType::float32, p[k], vector, k);
-            }
-        }
-        if (is_text) {
-            file.add("endloop");
-            blank();
-            file.add("endfacet\n");
-            if (random.below(5) == 0) file.add("endsolid a\nsolid b\n");
-        } else {
-            file.add({char(random.below(256)), char(random.below(256))});
-        }
-    }
+    for (std::size_t t = 0; t < triangles; ++t) add_triangle(file, random);
     return file;
 }
 

@@ -26,9 +26,9 @@ using Point3 = cageform::Vec<double, 3>;
 
 /// Help text on meshes.
 inline constexpr const char* mesh_formats =
-    "Meshes are glTF, OBJ, PLY or STL files, with faces of any number of corners, or Medit .mesh\n"
-    "files. The contents of a file decide its format. The output is the input with moved\n"
-    "points and normals, and everything else as it was.\n"
+    "Meshes are glTF, OBJ, PLY or STL files with faces of any number of corners, or Medit\n"
+    ".mesh files. The contents of a file decide its format. The output is the input with\n"
+    "moved points and normals, and everything else as it was.\n"
     "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
     "normal of its own. glTF files get objects, materials, textures and the colours of\n"
     "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
