@@ -14,8 +14,12 @@ namespace {
 constexpr std::size_t longest_ply_line = std::size_t{1} << 24; // bytes
 constexpr std::size_t most_properties = 4096;
 
+bool is_swapped(PlyEncoding encoding) {
+    return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
+}
+
 template <class X>
-double number_at(const char* bytes, bool swapped) {
+double number_as(const char* bytes, bool swapped) {
     std::array<char, sizeof(X)> of_number;
     std::copy_n(bytes, sizeof(X), of_number.begin());
     if (swapped) std::reverse(of_number.begin(), of_number.end());
@@ -36,10 +40,6 @@ auto with_type(PlyType type, const F& f) {
     case PlyType::float64: break;
     }
     return f(double{});
-}
-
-double number_at(const char* bytes, PlyType type, bool swapped) {
-    return with_type(type, [&](auto number) { return number_at<decltype(number)>(bytes, swapped); });
 }
 
 template <class X>
@@ -65,10 +65,6 @@ constexpr std::array<std::array<std::string_view, 2>, 8> type_names{{{"char", "i
                                                                      {"uint", "uint32"},
                                                                      {"float", "float32"},
                                                                      {"double", "float64"}}};
-
-bool is_swapped(PlyEncoding encoding) {
-    return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
-}
 
 /// Parses a line "property". Returns the error; empty on success.
 std::string parse_property(std::string_view line, const std::vector<std::string_view>& words,
@@ -118,6 +114,12 @@ std::optional<PlyType> ply_type(std::string_view word) {
 
 std::string_view name_of(PlyType type) {
     return type_names[std::size_t(type)][0];
+}
+
+double number_at(std::string_view bytes, std::size_t position, PlyType type, PlyEncoding encoding) {
+    return with_type(type, [&](auto number) {
+        return number_as<decltype(number)>(bytes.data() + position, is_swapped(encoding));
+    });
 }
 
 void append_number(std::string& bytes, PlyType type, double number) {
@@ -383,7 +385,7 @@ bool PlyReader::read_record(std::vector<Number>* numbers) {
 bool PlyReader::take_number(PlyType type, PlacedNumber& number) {
     const std::size_t bytes = bytes_of(type);
     if (!fill(bytes)) return fail("is cut off in " + place());
-    number = {number_at(text_.data() + at_, type, is_swapped(*header_.encoding)), at_, at_ + bytes};
+    number = {number_at(text_, at_, type, *header_.encoding), at_, at_ + bytes};
     at_ += bytes;
     return true;
 }
@@ -401,11 +403,11 @@ bool PlyReader::read_binary(std::vector<Number>* numbers) {
     const auto& properties = header_.elements[element_].properties;
     if (const auto bytes = header_.elements[element_].record_bytes()) {
         if (!fill(*bytes)) return fail("is cut off in " + place());
-        const bool swapped = is_swapped(*header_.encoding);
         for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k) {
             const PlyType type = properties[chosen_[k]].type;
             const std::size_t from = at_ + offsets_[k];
-            append_to(*numbers, {number_at(text_.data() + from, type, swapped), from, from + bytes_of(type)});
+            append_to(*numbers,
+                      {number_at(text_, from, type, *header_.encoding), from, from + bytes_of(type)});
         }
         at_ += *bytes;
         return true;

@@ -31,6 +31,9 @@ std::string_view name_of(PlyType type);
 /// Size of a number in bytes.
 std::size_t bytes_of(PlyType type);
 
+/// The number at a position of a binary file, which has bytes_of(type) bytes there.
+double number_at(std::string_view bytes, std::size_t position, PlyType type, PlyEncoding encoding);
+
 /// Appends a number in little-endian order. Out of range numbers are clamped; NaN becomes 0 in integer types.
 void append_number(std::string& bytes, PlyType type, double number);
 

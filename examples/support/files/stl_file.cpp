@@ -4,7 +4,6 @@
 #include "io/csv.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
@@ -16,11 +15,9 @@ namespace {
 constexpr std::size_t stl_title = 80, stl_head = 84, stl_triangle = 50; // bytes
 constexpr std::string_view stl_blanks = " \t\r\n\f\v";
 
-/// A number of little-endian bytes.
-std::uint32_t word_at(std::string_view bytes, std::size_t at) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 4; k > 0; --k) word = word << 8 | static_cast<unsigned char>(bytes[at + k - 1]);
-    return word;
+/// The number of triangles that a binary file declares.
+std::uint64_t declared_triangles(std::string_view bytes) {
+    return std::uint64_t(number_at(bytes, stl_title, PlyType::uint32, PlyEncoding::little_endian));
 }
 
 struct StlFacet {
@@ -55,7 +52,7 @@ public:
             (void)refuse("is no STL file: it does not begin with \"solid\", and is too short to be binary");
         } else {
             (void)refuse("is no STL file, or cut off: it declares " +
-                         std::to_string(word_at(bytes, stl_title)) + " triangles, but has " +
+                         std::to_string(declared_triangles(bytes)) + " triangles, but has " +
                          std::to_string(size) + " bytes");
         }
         error_->line = 0;
@@ -140,7 +137,7 @@ private:
     bool next_binary(StlFacet& facet) {
         if (at_ == bytes_.size()) return false;
         const auto read = [&](PlacedNumber& number) {
-            number = {double(std::bit_cast<float>(word_at(bytes_, at_))), at_, at_ + 4};
+            number = {number_at(bytes_, at_, PlyType::float32, encoding()), at_, at_ + 4};
             at_ += 4;
             return std::isfinite(number.value);
         };
@@ -238,7 +235,9 @@ std::shared_ptr<const MeshDocument> StlDocument::with_faces_reversed() const {
 std::string StlDocument::others() const {
     std::size_t attributes = 0;
     for (std::size_t at = stl_head; is_binary_stl(bytes_) && at < bytes_.size(); at += stl_triangle)
-        attributes += word_at(bytes_, at + stl_triangle - 4) >> 16 != 0 ? 1 : 0;
+        attributes +=
+            number_at(bytes_, at + stl_triangle - 2, PlyType::uint16, PlyEncoding::little_endian) != 0 ? 1
+                                                                                                       : 0;
     return attributes == 0 ? std::string() : std::to_string(attributes) + " attributes of triangles";
 }
 
@@ -255,8 +254,7 @@ struct PlaceHash {
 } // namespace
 
 bool is_binary_stl(std::string_view bytes) {
-    return bytes.size() > stl_head &&
-           bytes.size() == stl_head + std::uint64_t{word_at(bytes, stl_title)} * stl_triangle;
+    return bytes.size() > stl_head && bytes.size() == stl_head + declared_triangles(bytes) * stl_triangle;
 }
 
 Expected<MeshFile> parse_stl(std::string bytes, std::string name) {
