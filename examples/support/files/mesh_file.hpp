@@ -78,7 +78,6 @@ struct MovedFile {
 class MeshDocument {
 public:
     MeshDocument() = default;
-    MeshDocument(const MeshDocument&) = delete;
     MeshDocument& operator=(const MeshDocument&) = delete;
     virtual ~MeshDocument() = default;
 
@@ -94,6 +93,9 @@ public:
                                       const std::filesystem::path& path) const = 0;
     /// The document with the corners of each face reversed; null if the format does not support it.
     virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
+
+protected:
+    MeshDocument(const MeshDocument&) = default;
 };
 
 /// A mesh in world space, and the contents of its file.
