@@ -502,6 +502,7 @@ private:
     std::vector<Affine3> worlds_;
     MovedNormals normals_;
     std::vector<Point3> shifts_;                                  // #nodes: translation in world space
+    double rounding_;                                             // of positions in world space
     std::vector<double> own_normals_, own_tangents_;              // of the current run
     std::vector<std::array<std::vector<double>, 2>> own_targets_; // NORMAL and TANGENT of its targets
     std::size_t next_end_ = 0;                                    // index of the next guide of a morph target
