@@ -28,8 +28,6 @@ using cageform_tests::Random;
 
 namespace {
 
-constexpr auto most = std::numeric_limits<std::size_t>::max();
-
 template <class T>
 T number_at(const std::string& bytes, std::size_t k) {
     T number;
@@ -40,17 +38,17 @@ T number_at(const std::string& bytes, std::size_t k) {
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 /// The triangles, each turned so that its indices are the least in lexicographic order.
-Triangles turned(Triangles triangles) {
+[[maybe_unused]] Triangles turned(Triangles triangles) {
     for (auto& t : triangles) t = std::min({t, {t[1], t[2], t[0]}, {t[2], t[0], t[1]}});
     return triangles;
 }
-Triangles sorted(Triangles triangles) {
+[[maybe_unused]] Triangles sorted(Triangles triangles) {
     std::sort(triangles.begin(), triangles.end());
     return triangles;
 }
 
 /// Changes up to four random bytes, or cuts the end off.
-std::string damaged(std::string stream, Random& random) {
+[[maybe_unused]] std::string damaged(std::string stream, Random& random) {
     for (std::size_t n = 1 + random.below(4); n-- > 0;) {
         // Half of the changes are in the first bytes, which hold the counts.
         const std::size_t place =
@@ -205,6 +203,7 @@ TEST_CASE("filters of meshopt streams are decoded", "[examples][gltf]") {
 }
 
 TEST_CASE("properties of a meshopt view outside the extension's ranges are refused", "[examples][gltf]") {
+    constexpr auto most = std::numeric_limits<std::size_t>::max();
     const std::string stream(1000, '\xa0');
     const auto fault = [&](std::size_t count, std::size_t stride, const char* mode, const char* filter) {
         const auto decoded = decode_meshopt(stream, count, stride, mode, filter);
