@@ -133,9 +133,9 @@ struct DracoExpectation {
     std::size_t vertices = 0, triangles = 0, bytes = 0;
     std::string fault;
 
-    /// Whether a stream of this size can hold so many numbers. Draco allocates about ten bytes per number that
-    /// its headers count. Long runs of equal values take no bytes: a level grid of a million vertices has 50
-    /// numbers per byte. Other meshes have about 10.
+    /// Whether a stream of this size can hold so many numbers. Draco allocates about ten bytes per number
+    /// that its headers count. Long runs of equal values take no bytes: a level grid of a million vertices
+    /// has 50 numbers per byte. Other meshes have about 10.
     bool plausible(std::uint64_t numbers) {
         constexpr std::uint64_t any_stream = 1 << 24, per_byte = 64;
         constexpr std::uint64_t most = 1 << 28; // the library computes offsets of eight-byte numbers as int
