@@ -89,7 +89,6 @@ struct MovedFile {
 class MeshDocument {
 public:
     MeshDocument() = default;
-    MeshDocument(const MeshDocument&) = delete;
     MeshDocument& operator=(const MeshDocument&) = delete;
     virtual ~MeshDocument() = default;
 
@@ -107,6 +106,9 @@ public:
     virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
     /// Counts what an OBJ file of vertices, normals, colours and faces would not keep; empty if it keeps all.
     virtual std::string others() const { return {}; }
+
+protected:
+    MeshDocument(const MeshDocument&) = default;
 };
 
 /// A mesh in world space, and the contents of its file.
