@@ -287,8 +287,14 @@ void check_inside(const Mesh& figure, const Cage& cage) {
         std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
 }
 
-/// Writes the files of the folder, and prints their names.
-void write_files(const std::filesystem::path& folder, const Mesh& figure) {
+/// The files of a run, and what is printed about them.
+struct Written {
+    cageform_support::OutputFiles files;
+    std::string summary;
+};
+
+/// Writes the files of the folder.
+void write_folder(const std::filesystem::path& folder, const Mesh& figure, Written& written) {
     const Cage cage = make_cage();
     const Mesh pose = posed_cage(cage, waving);
     const auto dance = dance_of(cage);
@@ -305,12 +311,10 @@ void write_files(const std::filesystem::path& folder, const Mesh& figure) {
         const Point g = cageform_support::slope(puppet, p);
         normals.push_back((1 / length(g)) * g);
     }
-    cageform_support::OutputFiles outputs;
-    std::string summary;
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = folder / name;
-        outputs.add(path).write(text);
-        summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
+        written.files.add(path).write(text);
+        written.summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
     };
     const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
                                 const std::vector<Point>& vertex_normals) {
@@ -324,23 +328,17 @@ void write_files(const std::filesystem::path& folder, const Mesh& figure) {
     write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
           std::to_string(keys) + " poses of the cage in 2.4 s");
     write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
-    cageform_support::fail_if(outputs.commit());
-    std::cout << summary;
 }
 
-/// Writes the character as glTF, and prints what it holds.
-void write_gltf(const std::string& path, const Mesh& figure) {
+/// Writes the character as glTF.
+void write_gltf(const std::string& path, const Mesh& figure, Written& written) {
     const auto document = cageform_programs::character_gltf(figure);
     const std::string bytes = cageform_support::value_or_fail(cageform_support::gltf_bytes(document, path));
-    cageform_support::OutputFiles outputs;
-    outputs.add(path).write(bytes);
-    cageform_support::fail_if(outputs.commit());
-    const auto count = [&](const char* array, const char* thing) {
-        return cageform_support::detail::counted(document.json.at(array).size(), thing);
-    };
-    std::cout << cageform_support::printable(path) << ": " << count("nodes", "node") << ", "
-              << document.json["meshes"].size() << " meshes, " << count("materials", "material") << ", "
-              << count("animations", "animation") << ", " << bytes.size() << " bytes\n";
+    written.files.add(path).write(bytes);
+    written.summary += cageform_support::printable(path) + ": ";
+    for (const char* array : {"nodes", "meshes", "materials", "animations"})
+        written.summary += std::to_string(document.json.at(array).size()) + ' ' + array + ", ";
+    written.summary += std::to_string(bytes.size()) + " bytes\n";
 }
 
 } // namespace
@@ -364,7 +362,10 @@ int run_program(int argc, char** argv) {
     const Mesh figure =
         cageform_support::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
     check(figure, "the figure");
-    if (!out.empty()) write_gltf(out, figure);
-    if (!folder.empty()) write_files(folder, figure);
+    Written written;
+    if (!folder.empty()) write_folder(folder, figure, written);
+    if (!out.empty()) write_gltf(out, figure, written);
+    cageform_support::fail_if(written.files.commit());
+    std::cout << written.summary;
     return 0;
 }
