@@ -1,4 +1,4 @@
-// Deforms an OBJ figure or a tetrahedral mesh by a cage and a pose of the cage.
+// Deforms a mesh or a tetrahedral mesh by a cage and a pose of the cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
@@ -8,7 +8,7 @@
 // sibson and sibson-c1 use the vertices of the cage files as control points.
 //
 // Normals are transformed by the inverse transpose of the deformation's Jacobian. The rest of the file does
-// not change: groups, materials, texture coordinates, comments, cells.
+// not change: groups, nodes, materials, images, texture coordinates, comments, cells.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -43,6 +43,7 @@ struct Arguments {
     bool report = false;
     bool no_folds = false;
     bool flips_faces = false;
+    bool drops_skins = false;
     bool is_strict = false;
     cageform::FoldOptions folds;
     ViewChoice view;
@@ -68,6 +69,7 @@ MeshFile dots(const std::vector<Point3>& sites, double radius) {
 struct Deformed {
     std::vector<Point3> vertices;
     std::vector<Jacobian3> jacobians; // at the vertices; empty if unknown or not needed
+    std::vector<Point3> guides;       // of the figure
     std::vector<Colour> paint;        // of --weight
     MeshFolds folds;                  // around the vertices
     cageform::BindReport report;
@@ -83,9 +85,10 @@ public:
         : given_(given)
         , control_(control)
         , rest_(figure.vertices)
+        , guides_(figure.guides)
         , options_(given.control.outside.bind_options(control.coordinates))
         , finds_folds_(figure.tetrahedra.empty() && (given.report || given.no_folds))
-        , takes_jacobians_(finds_folds_ || !figure.normals.empty())
+        , takes_jacobians_(finds_folds_ || !figure.normals.empty() || !figure.guides.empty())
         , handles_(control.handles) {
         result_.vertices.resize(rest_.size());
         if (takes_jacobians_ && !control.weights.empty())
@@ -120,10 +123,30 @@ public:
             first = end;
             if (first >= rest_.size()) break;
         }
+        if (report.status == cageform::Status::ok) deform_guides(together);
         return std::move(result_);
     }
 
 private:
+    cageform::Status clone_points(const cageform::Binding<double, 3>& bound, std::span<Point3> moved) const {
+        const std::span weights(control_.weights);
+        return weights.empty() ? cageform::clone(bound, handles_, moved)
+                               : cageform::clone_rational(bound, handles_, weights, moved);
+    }
+
+    /// Moves the figure's guides, in batches. Guides outside the cage follow as the coordinates define.
+    void deform_guides(std::size_t together) {
+        result_.guides.resize(guides_.size());
+        for (std::size_t first = 0; first < guides_.size(); first += together) {
+            const auto batch = guides_.subspan(first, std::min(together, guides_.size() - first));
+            const auto bound = control_.coordinates.bind(batch, options_, cageform::Running{});
+            const auto moved = std::span(result_.guides).subspan(first, batch.size());
+            if (bound && clone_points(bound.value, moved) == cageform::Status::ok) continue;
+            result_.guides.clear();
+            return;
+        }
+    }
+
     void leave_out_jacobians(const std::string& why) {
         takes_jacobians_ = false;
         result_.folds.unknown = why;
@@ -142,10 +165,7 @@ private:
         if (handles_.empty())
             handles_ = value_or_fail(pose_of_handles(bound.value, pose.vertices, pose.name, result_.warning));
         const auto moved = std::span(result_.vertices).subspan(first, batch.size());
-        const auto status = weights.empty()
-                                ? cageform::clone(bound.value, handles_, moved)
-                                : cageform::clone_rational(bound.value, handles_, std::span(weights), moved);
-        if (status != cageform::Status::ok)
+        if (const auto status = clone_points(bound.value, moved); status != cageform::Status::ok)
             throw Failure((weights.empty() ? pose.name : given_.control.of_sites.weights) + ": " +
                           cageform::to_string(status));
         if (takes_jacobians_) clone_jacobians(first, batch, running.subtask(0.25, 1));
@@ -167,7 +187,7 @@ private:
 
     const Arguments& given_;
     const MeshControl& control_;
-    std::span<const Point3> rest_;
+    std::span<const Point3> rest_, guides_;
     cageform::BindOptions options_;
     bool finds_folds_, takes_jacobians_;
     std::vector<Point3> handles_; // in the pose; empty until the first batch is bound
@@ -176,7 +196,7 @@ private:
 
 /// If the pose folds the figure, moves both back towards rest, to the largest step without folds.
 void stop_at_folds(const MeshFile& figure, MeshControl& control, std::vector<Point3>& moved,
-                   std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
+                   std::vector<Jacobian3>& jacobians, std::vector<Point3>& guides, const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty())
         throw Failure(figure.name + ": --no-folds: " + why);
     if (folds.report.count == 0) return;
@@ -184,6 +204,7 @@ void stop_at_folds(const MeshFile& figure, MeshControl& control, std::vector<Poi
     note(figure.name + ": the pose stops at " + detail::short_number(step) + " of its way from rest, where " +
          (folds.of_cells ? "" : "the figure at ") + folds.name_of(folds.step.culprit) + " would fold");
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = on_the_way(figure.vertices[i], moved[i], step);
+    for (std::size_t i = 0; i < guides.size(); ++i) guides[i] = on_the_way(figure.guides[i], guides[i], step);
     for (Jacobian3& jacobian : jacobians) {
         for (std::size_t k = 0; k < 3; ++k) {
             Point3 axis{};
@@ -257,7 +278,7 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
     fail_if(fault_of_outputs({given.out, given.control.save_pose, given.picture}));
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);
     Deformed posed = Deformer(given, figure, control).run();
-    auto& [moved, jacobians, paint, folds, report, warning] = posed;
+    auto& [moved, jacobians, guides, paint, folds, report, warning] = posed;
     if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
     given.control.outside.check(coordinates, report, figure.vertices, figure.name, cage.name);
@@ -267,18 +288,20 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
     }
     if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
         folds = folds_of_cells(figure, moved, given.folds);
-    if (given.no_folds) stop_at_folds(figure, control, moved, jacobians, folds);
+    if (given.no_folds) stop_at_folds(figure, control, moved, jacobians, guides, folds);
 
     warn(describe_winding(control.pose.name, figure.name + share_of_mirrored(jacobians),
                           side_of(figure.vertices, moved), given.flips_faces));
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
         note(figure.name + ": its normals are computed from the faces: " + folds.unknown);
     OutputFiles outputs;
-    outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
+    const auto notes =
+        value_or_fail(save_mesh(figure, {moved, jacobians, guides, given.drops_skins}, given.out, outputs));
     if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
     if (!given.picture.empty())
         draw_pose(given, figure, control, posed).write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
+    for (const std::string& text : notes) note(text);
     note_materials(given, figure);
     if (given.report) print_report(given, figure, control, posed);
     return 0;
@@ -287,15 +310,14 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
 } // namespace
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Deforms an OBJ figure or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
-        "the cage.");
+    CommandLine line("Deforms a mesh or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
+                     "the cage.");
     line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
                        "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj",
                        "model.obj --cage cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj",
                        "part.mesh --cage box --twist all:x,0,4,90 --no-folds -o twisted.mesh --report"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ or .mesh file to deform").required();
+    line.add("figure", given.figure, "the file to deform: glTF, OBJ, PLY, STL or Medit").required();
     given.control.add_options(line);
     line.add_flag(
         "--no-folds", given.no_folds,
@@ -308,9 +330,14 @@ int run_program(int argc, char** argv) {
         .rarely_needed();
     add_strict(line, given.is_strict);
     add_flip_faces(line, given.flips_faces);
-    line.add("-o,--output", given.out, "the file to write: .obj or .mesh, like the figure")
+    line.add("-o,--output", given.out,
+             "the file to write, in the format of the figure: .obj, .mesh, .glb, .gltf, .ply or .stl")
         .required()
-        .ends_with({".obj", ".mesh"});
+        .ends_with(mesh_extensions);
+    line.add_flag(
+        "--drop-skin", given.drops_skins,
+        "glTF: write skinned meshes in the pose of the cage, without their skins. By default skins are "
+        "kept, and their joints move with the cage");
     given.control.outside.add_options(line);
     given.control.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
@@ -325,13 +352,9 @@ int run_program(int argc, char** argv) {
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.control.fault());
-    const std::string ending = lowercase_extension(given.figure) == ".mesh" ? ".mesh" : ".obj";
-    if (lowercase_extension(given.out) != ending)
-        return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
-
     auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (given.flips_faces && ending == ".mesh")
-        return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
+    fail_if(fault_of_extension(figure, given.out));
+    if (given.flips_faces) fail_if(fault_of_reversing(figure));
     auto control = read_mesh_control(given.control, figure, figure.vertices);
     fail_if(given.control.save_fault(control));
     given.paints = weight.is_given();

@@ -6,13 +6,14 @@
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, lottie, markers, medit, obj, pins, poses. SVG has a driver of its own.
+// Readers: cage (CSV), clip, css, gltf, lottie, markers, medit, obj, pins, poses. SVG has a driver of its own.
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_folds.hpp"
 #include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/gltf_file.hpp"
+#include "files/gltf_scene.hpp"
 #include "files/lottie_file.hpp"
 #include "files/marker_file.hpp"
 #include "files/medit_file.hpp"
@@ -155,6 +156,36 @@ void read_obj(const std::string& text) {
     REQUIRE(written == read);
 }
 
+/// Reads a mesh, and reads it again with moved vertices.
+void read_document(Expected<MeshFile> (*parse)(std::string, const std::string&), const std::string& bytes,
+                   const std::string& name) {
+    const auto mesh = parse(bytes, name);
+    if (!taken(mesh)) return;
+    for (const auto& triangle : mesh->triangles) {
+        for (const std::uint32_t i : triangle) REQUIRE(i < mesh->vertices.size());
+    }
+    std::vector<Point3> moved = mesh->vertices, guides = mesh->guides;
+    const Jacobian3 jacobian{{{0, 0, 2}, {1, 0, 0}, {0, -1, 0}}};
+    const auto move = [&](const Point3& p) {
+        return p[0] * jacobian[0] + p[1] * jacobian[1] + p[2] * jacobian[2];
+    };
+    std::transform(moved.begin(), moved.end(), moved.begin(), move);
+    std::transform(guides.begin(), guides.end(), guides.begin(), move);
+    const std::vector<Jacobian3> jacobians(moved.size(), jacobian);
+    for (const bool drops_skins : {false, true}) {
+        const auto written = mesh->document->moved(*mesh, {moved, jacobians, guides, drops_skins}, name);
+        if (!taken(written)) continue; // numbers beyond single precision, or a singular transform
+        const auto again = parse(written->files[0].bytes, name);
+        if (!taken(again)) continue;
+        REQUIRE(again->vertices.size() == moved.size());
+    }
+    (void)mesh->document->with_faces_reversed();
+}
+
+void read_gltf(const std::string& text) {
+    read_document(parse_gltf, text, text.starts_with("glTF") ? "file.glb" : "file.gltf");
+}
+
 void read_medit(const std::string& text) {
     const auto file = parse_medit(text, "file.mesh");
     if (!taken(file)) return;
@@ -228,6 +259,18 @@ const std::map<std::string, Reader>& readers() {
           {"length,2\npose,0\n0,0,0\n1,0,0\n0,1,0\n0,0,1\npose,1,ease\n0,0,1\n1,0,1\n0,1,1\n0,0,2\n",
            "# a\nlength,3e38\npose,0,linear\n3e38,0,0\n1e-45,0,0\n0,1e39,0\n0,0,1\npose,1e-40,smooth\n0,0,1\n"
            "1,0,1\n0,1,1\n0,0,2\n"}}},
+        {"gltf",
+         {read_gltf,
+          {R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"skin":)"
+           R"(0},{"translation":[0,1,0],"children":[2]},{"mesh":0,"scale":[-1,2,1]}],"skins":[{"joints":)"
+           R"([1,2]}],"meshes":[{"weights":[0.5],"primitives":[{"attributes":{"POSITION":0,"NORMAL":0},")"
+           R"(targets":[{"POSITION":1}]}]}],"animations":[{"samplers":[{"input":2,"output":1}],"channels)"
+           R"(":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}],"accessors":[{"bufferView":0,)"
+           R"("componentType":5126,"count":3,"type":"VEC3"},{"count":3,"componentType":5126,"type":"VEC3)"
+           R"(","sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferVie)"
+           R"(w":0}}},{"bufferView":0,"componentType":5126,"count":3,"type":"SCALAR"}],"bufferViews":[{")"
+           R"(buffer":0,"byteLength":48}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAA)"
+           R"(AAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]})"}}},
         {"medit",
          {read_medit,
           {"MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 "

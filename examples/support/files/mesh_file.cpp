@@ -1,5 +1,6 @@
 #include "files/mesh_file.hpp"
 
+#include "files/gltf_scene.hpp"
 #include "files/medit_file.hpp"
 #include "files/obj_file.hpp"
 #include "files/site_file.hpp"
@@ -169,6 +170,7 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
+    if (detail::other_format(*bytes) == "glTF") return parse_gltf(std::move(*bytes), name);
     std::vector<std::string_view> words; // of the first line
     std::size_t line = 0;
     const bool is_medit = detail::ObjScanner(*bytes).next(words, line) && words[0] == medit_keyword;
@@ -186,21 +188,31 @@ Expected<SiteFile<3>> detail::read_site_vertices(const std::string& path) {
 }
 
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
-    const std::string own = lowercase_extension(mesh.name), given = lowercase_extension(out);
-    if (given == own) return {};
-    return "-o " + out + ": the figure " + mesh.name + " is written as " + own;
+    const std::string given = lowercase_extension(out);
+    std::vector<std::string> own{mesh.tetrahedra.empty() ? ".obj" : ".mesh"};
+    if (mesh.document != nullptr) own = mesh.document->extensions();
+    if (lowercase_extension(mesh.name) == ".mesh" && mesh.document == nullptr) own = {".mesh"};
+    if (std::find(own.begin(), own.end(), given) != own.end()) return {};
+    return "-o " + out + ": the figure " + mesh.name + " is written as " + own[0] +
+           (own.size() > 1 ? " or " + own[1] : "");
 }
 
-std::optional<FileError> save_mesh(const MeshFile& mesh, const MovedVertices& moved, const std::string& out,
-                                   OutputFiles& outputs) {
+std::string fault_of_reversing(const MeshFile& mesh) {
+    const bool is_supported =
+        mesh.document == nullptr ? mesh.tetrahedra.empty() : mesh.document->with_faces_reversed() != nullptr;
+    return is_supported ? "" : "--flip-faces: " + mesh.name + ": the format is not supported";
+}
+
+Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,
+                                             const std::string& out, OutputFiles& outputs) {
     if (mesh.document == nullptr) {
         outputs.add(out).write(to_text(mesh, moved));
-        return std::nullopt;
+        return std::vector<std::string>();
     }
-    const auto files = mesh.document->moved(mesh, moved, out);
-    if (!files) return files.error();
-    for (const WrittenFile& file : *files) outputs.add(file.path).write(file.bytes);
-    return std::nullopt;
+    auto written = mesh.document->moved(mesh, moved, out);
+    if (!written) return written.error();
+    for (const WrittenFile& file : written->files) outputs.add(file.path).write(file.bytes);
+    return std::move(written->notes);
 }
 
 std::optional<FileError> single_precision_fault(const MeshFile& file) {

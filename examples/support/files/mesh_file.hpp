@@ -63,30 +63,39 @@ struct ObjNumbers {
 struct MeshFile;
 struct MovedVertices;
 
-/// A file, as written by a program.
 struct WrittenFile {
     std::filesystem::path path;
     std::string bytes;
+};
+
+/// A file with moved vertices, and other files that it refers to.
+struct MovedFile {
+    std::vector<WrittenFile> files;
+    std::vector<std::string> notes; // for the user, such as errors of morph targets
 };
 
 /// The contents of a binary file, which writes them with moved vertices.
 class MeshDocument {
 public:
     MeshDocument() = default;
-    MeshDocument(const MeshDocument&) = delete;
     MeshDocument& operator=(const MeshDocument&) = delete;
     virtual ~MeshDocument() = default;
 
     /// The name of the format, such as "PLY".
     virtual std::string_view format() const = 0;
+    /// Extensions of its files, in lower case; the first is the usual one.
+    virtual std::vector<std::string> extensions() const = 0;
     /// The file with moved vertices and normals, and files that it refers to. Everything else is unchanged.
     ///
     ///   mesh    the mesh of this document
     ///   path    of the output; its extension is one of the format
-    virtual Expected<std::vector<WrittenFile>> moved(const MeshFile& mesh, const MovedVertices& moved,
-                                                     const std::filesystem::path& path) const = 0;
+    virtual Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
+                                      const std::filesystem::path& path) const = 0;
     /// The document with the corners of each face reversed; null if the format does not support it.
     virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
+
+protected:
+    MeshDocument(const MeshDocument&) = default;
 };
 
 /// A mesh in world space, and the contents of its file.
@@ -150,8 +159,7 @@ inline std::string part_group(int number) {
 }
 
 /// The extensions of files that load_mesh() reads and save_mesh() writes.
-inline constexpr std::initializer_list<const char*> mesh_extensions{".obj",  ".mesh", ".glb",
-                                                                    ".gltf", ".ply",  ".stl"};
+inline const std::vector<std::string> mesh_extensions{".obj", ".mesh", ".glb", ".gltf", ".ply", ".stl"};
 
 /// Reads a file; its contents decide the format.
 ///
@@ -161,11 +169,13 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
 /// The error if the extension of an output is not one of the mesh's format; else empty.
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
 
-/// Writes the mesh's file with moved vertices and normals.
-///
-///   fails   if the format cannot store the result
-std::optional<FileError> save_mesh(const MeshFile& mesh, const MovedVertices& moved, const std::string& out,
-                                   OutputFiles& outputs);
+/// The error if with_faces_reversed() does not support the mesh's format; else empty.
+std::string fault_of_reversing(const MeshFile& mesh);
+
+/// Writes the mesh's file with moved vertices and normals. Returns notes for the user; fails if the format
+/// cannot store the result.
+Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,
+                                             const std::string& out, OutputFiles& outputs);
 
 /// The first vertex out of the range of single precision, with its line; nothing if there is none.
 std::optional<FileError> single_precision_fault(const MeshFile& file);
@@ -204,6 +214,7 @@ struct MovedVertices {
     std::span<const Point3> places;         ///< #vertices
     std::span<const Jacobian3> jacobians{}; ///< #vertices, or empty if unknown
     std::span<const Point3> guides{};       ///< #guides, or empty if unknown
+    bool drops_skins = false;               ///< whether skinned meshes are written without their skins
 };
 
 /// Counts statements other than `keywords`: "800 of "vt", 2 of "usemtl", 8066 colours"; empty if there are
