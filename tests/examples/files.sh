@@ -217,6 +217,7 @@ form deform_splats scene.ply --cage box.obj --pose bent_box.obj --save-pose save
 form deform_splats scene.ply --cage box.obj --pins space_pins.csv --split 1.1 -o out.ply
 form draw_splats scene.ply -o out.png --beside inner.obj --width 64 --height 40
 form make_box -o out.mesh --cage out_cage.obj
+form make_character -o out.glb
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
 form make_cage hexagon.svg --lattice 3x3 -o out.lattice.json
 form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
@@ -306,7 +307,7 @@ refuses 'differs: the pose inner.stl' "$mesh" inner.ply --cage inner.ply --pose 
 cd ..
 
 # ---- none is forgotten ----
-without_inputs="make_character make_hand hand_sheet sibson_figures"
+without_inputs="make_hand hand_sheet sibson_figures"
 # Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area"

@@ -144,61 +144,90 @@ TEST_CASE("meshopt streams are decoded to the encoded bytes", "[examples][gltf]"
     }
 }
 
-TEST_CASE("filters of meshopt streams are decoded", "[examples][gltf]") {
-    constexpr std::size_t count = 257;
-    const auto decoded = [](const std::string& filtered, std::size_t stride, const std::string& filter) {
-        std::string stream(meshopt_encodeVertexBufferBound(count, stride), '\0');
-        stream.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(stream.data()),
-                                                 stream.size(), filtered.data(), count, stride));
-        return decode_meshopt(stream, count, stride, "ATTRIBUTES", filter);
-    };
+namespace {
+
+constexpr std::size_t filtered_count = 257;
+
+/// Random vectors of length 1, with four numbers each, of which `size` are not zero.
+std::vector<float> unit_vectors(Random& random, std::size_t size) {
+    std::vector<float> vectors;
+    for (std::size_t i = 0; i < filtered_count; ++i) {
+        std::array<double, 4> v{};
+        double square = 0;
+        for (std::size_t k = 0; k < size; ++k) {
+            v[k] = random.uniform(-1, 1);
+            square += v[k] * v[k];
+        }
+        for (const double x : v) vectors.push_back(float(x / std::sqrt(square)));
+    }
+    return vectors;
+}
+
+/// Encodes filtered elements, and decodes them with their filter.
+std::string unfiltered(const std::string& filtered, const std::string& filter) {
+    const std::size_t stride = filtered.size() / filtered_count;
+    std::string stream(meshopt_encodeVertexBufferBound(filtered_count, stride), '\0');
+    stream.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(stream.data()), stream.size(),
+                                             filtered.data(), filtered_count, stride));
+    const auto decoded = decode_meshopt(stream, filtered_count, stride, "ATTRIBUTES", filter);
+    REQUIRE(decoded);
+    return *decoded;
+}
+
+} // namespace
+
+TEST_CASE("the filter OCTAHEDRAL restores normals", "[examples][gltf]") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         CAPTURE(seed);
         Random random(seed);
-        std::vector<float> unit(4 * count), triples(3 * count);
-        for (float& x : triples) x = float(random.uniform(-1, 1) * std::pow(10.0, random.uniform(-3, 3)));
-        for (std::size_t size : {std::size_t(3), std::size_t(4)}) { // normals, quaternions
-            for (std::size_t i = 0; i < count; ++i) {
-                float square = 0;
-                for (std::size_t k = 0; k < 4; ++k) {
-                    unit[4 * i + k] = k < size ? float(random.uniform(-1, 1)) : 0.0f;
-                    square += unit[4 * i + k] * unit[4 * i + k];
-                }
-                for (std::size_t k = 0; k < 4; ++k) unit[4 * i + k] /= std::sqrt(square);
-            }
-            if (size == 4) continue;
-            for (const std::size_t stride : {std::size_t(4), std::size_t(8)}) {
-                std::string filtered(count * stride, '\0');
-                meshopt_encodeFilterOct(filtered.data(), count, stride, stride == 4 ? 8 : 16, unit.data());
-                const auto normals = decoded(filtered, stride, "OCTAHEDRAL");
-                REQUIRE(normals);
-                for (std::size_t k = 0; k < 4 * count; ++k) {
-                    if (k % 4 == 3) continue;
-                    const double value = stride == 4 ? number_at<std::int8_t>(*normals, k) / 127.0
-                                                     : number_at<std::int16_t>(*normals, k) / 32767.0;
-                    REQUIRE(std::abs(value - double(unit[k])) < (stride == 4 ? 0.03 : 1e-4));
-                }
-            }
+        const auto normals = unit_vectors(random, 3);
+        std::string filtered(4 * filtered_count, '\0');
+        meshopt_encodeFilterOct(filtered.data(), filtered_count, 4, 8, normals.data());
+        const std::string bytes = unfiltered(filtered, "OCTAHEDRAL");
+        filtered.resize(8 * filtered_count);
+        meshopt_encodeFilterOct(filtered.data(), filtered_count, 8, 16, normals.data());
+        const std::string words = unfiltered(filtered, "OCTAHEDRAL");
+        for (std::size_t k = 0; k < 4 * filtered_count; ++k) {
+            if (k % 4 == 3) continue; // not a component of the normal
+            REQUIRE(std::abs(number_at<std::int8_t>(bytes, k) / 127.0 - double(normals[k])) < 0.03);
+            REQUIRE(std::abs(number_at<std::int16_t>(words, k) / 32767.0 - double(normals[k])) < 1e-4);
         }
-        std::string filtered(count * 8, '\0');
-        meshopt_encodeFilterQuat(filtered.data(), count, 8, 16, unit.data());
-        const auto quaternions = decoded(filtered, 8, "QUATERNION");
-        REQUIRE(quaternions);
-        for (std::size_t i = 0; i < count; ++i) { // q and −q are the same rotation
+    }
+}
+
+TEST_CASE("the filter QUATERNION restores rotations", "[examples][gltf]") {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const auto rotations = unit_vectors(random, 4);
+        std::string filtered(8 * filtered_count, '\0');
+        meshopt_encodeFilterQuat(filtered.data(), filtered_count, 8, 16, rotations.data());
+        const std::string decoded = unfiltered(filtered, "QUATERNION");
+        for (std::size_t i = 0; i < filtered_count; ++i) { // q and −q are the same rotation
             double product = 0;
             for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
-                product += number_at<std::int16_t>(*quaternions, k) / 32767.0 * double(unit[k]);
+                product += number_at<std::int16_t>(decoded, k) / 32767.0 * double(rotations[k]);
             REQUIRE(std::abs(std::abs(product) - 1) < 1e-3);
         }
-        filtered.resize(count * 12);
-        meshopt_encodeFilterExp(filtered.data(), count, 12, 15, triples.data());
-        const auto numbers = decoded(filtered, 12, "EXPONENTIAL");
-        REQUIRE(numbers);
-        for (std::size_t k = 0; k < triples.size(); ++k) {
-            const float largest = std::max({std::abs(triples[k / 3 * 3]), std::abs(triples[k / 3 * 3 + 1]),
-                                            std::abs(triples[k / 3 * 3 + 2])});
-            REQUIRE(std::abs(number_at<float>(*numbers, k) - triples[k]) <= largest * 0x1p-13f);
+    }
+}
+
+TEST_CASE("the filter EXPONENTIAL restores floats exactly", "[examples][gltf]") {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        std::vector<std::uint32_t> words; // mantissas of 24 bits, exponents of 8 bits
+        std::vector<float> expected;
+        for (std::size_t k = 0; k < 3 * filtered_count; ++k) {
+            const int mantissa = int(random.below(1 << 24)) - (1 << 23);
+            const int exponent = int(random.below(200)) - 100;
+            words.push_back((std::uint32_t(mantissa) & 0xffffff) | std::uint32_t(exponent) << 24);
+            expected.push_back(std::ldexp(float(mantissa), exponent));
         }
+        const std::string decoded = unfiltered(
+            std::string(reinterpret_cast<const char*>(words.data()), 4 * words.size()), "EXPONENTIAL");
+        for (std::size_t k = 0; k < expected.size(); ++k)
+            REQUIRE(number_at<float>(decoded, k) == expected[k]);
     }
 }
 

@@ -159,7 +159,7 @@ void check_formats(std::mt19937& random) {
     }
     const auto contents = [&](PosedFormat format) {
         return *PosedFile(format, D, sizeof(T), points.size(), triangles)
-            .contents(std::span<const Vec<T, D>>(points));
+                    .contents(std::span<const Vec<T, D>>(points));
     };
     const auto same = [](T a, T b) { return std::memcmp(&a, &b, sizeof(T)) == 0; };
 

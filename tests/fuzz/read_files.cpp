@@ -6,8 +6,7 @@
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, gltf, lottie, markers, medit, obj, pins, ply, poses, stl. SVG has a driver of its
-// own.
+// Readers: cage (CSV), clip, css, gltf, lottie, markers, medit, obj, pins, ply, poses, stl. SVG has a driver of its own.
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_folds.hpp"
 #include "cli/pins.hpp"
