@@ -55,17 +55,19 @@ std::string describe(const char* kind, std::size_t index, const GltfJson& object
 GltfIndex index_of(const GltfJson& object, const char* key, const std::string& user) {
     const auto found = object.find(key);
     if (found == object.end()) return gltf_none;
-    if (!found->is_number_unsigned()) throw GltfFault(user + ": \"" + key + "\" is not an index");
-    return found->get<GltfIndex>();
+    const auto index = gltf_index(*found);
+    if (!index) throw GltfFault(user + ": \"" + key + "\" is not an index");
+    return *index;
 }
 
 std::vector<GltfIndex> indices_of(const GltfJson& object, const char* key, const std::string& user) {
     std::vector<GltfIndex> indices;
     if (!object.contains(key)) return indices;
     if (!object[key].is_array()) throw GltfFault(user + ": \"" + key + "\" is not a list");
-    for (const GltfJson& index : object[key]) {
-        if (!index.is_number_unsigned()) throw GltfFault(user + ": \"" + key + "\" is not a list of indices");
-        indices.push_back(index.get<GltfIndex>());
+    for (const GltfJson& value : object[key]) {
+        const auto index = gltf_index(value);
+        if (!index) throw GltfFault(user + ": \"" + key + "\" is not a list of indices");
+        indices.push_back(*index);
     }
     return indices;
 }
