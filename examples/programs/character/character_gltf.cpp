@@ -38,11 +38,13 @@ std::array<float, 3> floats(const Point3& p) {
 std::array<float, 4> floats(const Rotation& q) {
     return {float(q[0]), float(q[1]), float(q[2]), float(q[3])};
 }
-GltfJson numbers(const Point3& p) {
-    return floats(p);
-}
-GltfJson numbers(const Rotation& q) {
-    return floats(q);
+/// Numbers of a node, without rounding errors about 0.
+template <class V>
+GltfJson numbers(const V& values) {
+    GltfJson list;
+    for (std::size_t k = 0; k < sizeof(V) / sizeof(double); ++k)
+        list.push_back(std::fabs(values[k]) < 1e-12 ? 0.0 : values[k]);
+    return list;
 }
 
 /// The bones with their rest rotations in model space: y is along the bone.
@@ -116,7 +118,6 @@ GltfJson morph_accessors(GltfDocument& document, const MorphTarget& target) {
             {"NORMAL", document.add(turns, Use::vertices)}};
 }
 
-/// A part in the form of gltf_primitives(). Places in `places`.
 GltfMesh gltf_mesh(const PuppetPart& part, Material material, bool takes_tangents) {
     GltfMesh mesh{"", {}, {{material, {}}}, part.texture, takes_tangents};
     for (std::uint32_t i = 0; i < part.places.size(); ++i)
@@ -127,10 +128,10 @@ GltfMesh gltf_mesh(const PuppetPart& part, Material material, bool takes_tangent
     return mesh;
 }
 
-/// A primitive of a part.
+/// A primitive of a part. Its skin has the four largest weights of each vertex.
 ///
-///   places    #vertices, and
-///   normals   #vertices: in the space of the mesh
+///   places    #vertices, in the coordinates of the mesh
+///   normals   #vertices, likewise
 GltfJson primitive_of(GltfDocument& document, const PuppetPart& part, Material material,
                       const std::vector<Point3>& places, const Floats<3>& normals,
                       std::span<const MorphTarget> targets = {}) {

@@ -64,37 +64,35 @@ void Poser::place_foot(std::size_t side, const Point3& place, const Rotation& ro
     const double t = (a * a + reach * reach - b * b) / (2 * reach); // of the knee, along the way
     const Point3 to_knee = t * along + std::sqrt(std::max(a * a - t * t, 0.0)) * forwards;
     const Point3 hinge = cross(along, forwards);
-    const auto point = [&](std::size_t b_, const Point3& rest, const Point3& direction) {
+    const auto point = [&](std::size_t index, const Point3& rest, const Point3& direction) {
         const Rotation swing = between(rest, direction);
         const Point3 axis = rotated(swing, across({-1, 0, 0}, unit(rest)));
-        turn_to(b_, product(between(axis, across(hinge, unit(direction))), swing));
+        turn_to(index, product(between(axis, across(hinge, unit(direction))), swing));
     };
     point(thigh, upper, to_knee);
     point(shin, lower, reach * along - to_knee);
     turn_to(foot, rotation);
 }
 
-/// Poses an arm. Angles are those of a left arm, in degrees; a right arm is mirrored.
-///
-///   down      of the upper arm from the T-pose
-///   forward   of the whole arm, about x
-///   bend      of the elbow, forward
-///   raise     of the forearm, in the plane of the T-pose
+/// Angles of a left arm in degrees; a right arm is mirrored.
 struct Arm {
-    double down, forward, bend, raise = 0;
+    double down;      ///< of the upper arm, from the T-pose
+    double backward;  ///< of the whole arm, about x
+    double bend;      ///< of the elbow, forward
+    double raise = 0; ///< of the forearm, in the plane of the T-pose
 };
 
 void pose_arm(Poser& poser, std::size_t side, const Arm& arm) {
     const auto turn = [&](std::size_t b, const Rotation& q) {
         poser.turn(side + b, side == bone::left_shoulder ? q : mirrored(q));
     };
-    turn(bone::shoulder, product(about(x, -0.12 * arm.forward), about(z, -0.1 * arm.down)));
-    turn(bone::upper_arm, product(about(x, -0.88 * arm.forward), about(z, -0.9 * arm.down)));
+    turn(bone::shoulder, product(about(x, 0.12 * arm.backward), about(z, -0.1 * arm.down)));
+    turn(bone::upper_arm, product(about(x, 0.88 * arm.backward), about(z, -0.9 * arm.down)));
     turn(bone::forearm, product(about(z, arm.raise), about(y, -arm.bend)));
     turn(bone::hand, about(y, -0.25 * arm.bend));
 }
 
-/// A periodic curve through (part, value) pairs, with slope 0 at each pair.
+/// A curve through (part, value) pairs, with slope 0 at each pair.
 template <std::size_t N>
 double through(const std::array<std::array<double, 2>, N>& keys, double part) {
     std::size_t k = 0;
@@ -140,7 +138,7 @@ PuppetPose walk_pose(const std::vector<PuppetBone>& bones, double part) {
     for (const std::size_t side : {bone::left_shoulder, bone::right_shoulder}) {
         const bool is_left = side == bone::left_shoulder;
         const double back = is_left ? std::cos(angle - 0.2) : -std::cos(angle - 0.2); // of the arm
-        pose_arm(poser, side, {70, 4 - 27 * back, 24 - 14 * back});
+        pose_arm(poser, side, {70, 27 * back - 4, 24 - 14 * back});
         const double own = is_left ? part : part + 0.5;
         const Step step = step_at(own - std::floor(own));
         const Point3& joint = bones[side + bone::foot].head;

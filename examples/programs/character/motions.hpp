@@ -16,8 +16,8 @@ struct PuppetPose {
 
 inline constexpr double walk_length = 1.25, greeting_length = 3; // seconds
 
-/// Speed of the ground in the walk, in m/s. A foot is on the ground for `walk_contact` of the cycle, and moves
-/// by 2 · `walk_reach`.
+/// Speed of the ground in the walk, in m/s. A foot is on the ground for `walk_contact` of the cycle, and
+/// moves by 2 · `walk_reach`.
 inline constexpr double walk_contact = 0.6, walk_reach = 0.26;
 inline constexpr double walk_speed = 2 * walk_reach / (walk_contact * walk_length);
 

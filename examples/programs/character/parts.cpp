@@ -18,12 +18,23 @@ Point3 outward(const Point3& p) {
     return (1 / cageform_support::length(g)) * g;
 }
 
+std::size_t bones_of(const PuppetPart& part) {
+    return part.weights.size() / part.places.size();
+}
+
+/// Appends the weights of a vertex of another part.
+void copy_weights(const PuppetPart& from, std::size_t vertex, PuppetPart& to) {
+    const std::size_t bones = bones_of(from);
+    const auto row = from.weights.begin() + std::ptrdiff_t(vertex * bones);
+    to.weights.insert(to.weights.end(), row, row + std::ptrdiff_t(bones));
+}
+
 /// Cuts a mesh along the surface where a function is 0.
 class Cutter {
 public:
     Cutter(const PuppetPart& part, const Level& level)
         : mesh_(part)
-        , bones_(part.weights.size() / part.places.size()) {
+        , bones_(bones_of(part)) {
         for (const Point3& p : mesh_.places) values_.push_back(level(p));
         snap();
     }
@@ -47,14 +58,20 @@ public:
     }
 
 private:
+    struct Vertex {
+        Point3 place;
+        std::vector<double> weights;
+    };
+
     /// The part of the way from `a` to `b` where the function is 0.
     double part_of(std::uint32_t a, std::uint32_t b) const { return values_[a] / (values_[a] - values_[b]); }
 
-    void mix(std::uint32_t a, std::uint32_t b, double t, Point3& place, std::vector<double>& row) const {
-        place = (1 - t) * mesh_.places[a] + t * mesh_.places[b];
-        row.resize(bones_);
+    /// A vertex on the way from `a` to `b`.
+    Vertex between(std::uint32_t a, std::uint32_t b, double t) const {
+        Vertex vertex{(1 - t) * mesh_.places[a] + t * mesh_.places[b], std::vector<double>(bones_)};
         for (std::size_t k = 0; k < bones_; ++k)
-            row[k] = (1 - t) * mesh_.weights[a * bones_ + k] + t * mesh_.weights[b * bones_ + k];
+            vertex.weights[k] = (1 - t) * mesh_.weights[a * bones_ + k] + t * mesh_.weights[b * bones_ + k];
+        return vertex;
     }
 
     /// Moves vertices that are close to the cut along an edge onto the cut, to avoid narrow faces.
@@ -74,16 +91,14 @@ private:
                 }
             }
         }
-        std::vector<double> row;
+        std::vector<std::pair<std::uint32_t, Vertex>> moved;
         for (const auto& [a, move] : moves) {
-            if (move.part >= Move{}.part) continue;
-            Point3 place;
-            mix(a, move.to, move.part, place, row);
-            snapped_.push_back({a, place, row});
+            if (move.part < Move{}.part) moved.push_back({a, between(a, move.to, move.part)});
         }
-        for (const auto& [a, place, weights] : snapped_) {
-            mesh_.places[a] = place;
-            std::copy(weights.begin(), weights.end(), mesh_.weights.begin() + std::ptrdiff_t(a * bones_));
+        for (const auto& [a, vertex] : moved) {
+            mesh_.places[a] = vertex.place;
+            std::copy(vertex.weights.begin(), vertex.weights.end(),
+                      mesh_.weights.begin() + std::ptrdiff_t(a * bones_));
             values_[a] = 0;
         }
     }
@@ -92,11 +107,9 @@ private:
         if (a > b) std::swap(a, b);
         const auto [at, is_new] = crossings_.insert({{a, b}, std::uint32_t(mesh_.places.size())});
         if (is_new) {
-            Point3 place;
-            std::vector<double> row;
-            mix(a, b, part_of(a, b), place, row);
-            mesh_.places.push_back(place);
-            mesh_.weights.insert(mesh_.weights.end(), row.begin(), row.end());
+            const Vertex vertex = between(a, b, part_of(a, b));
+            mesh_.places.push_back(vertex.place);
+            mesh_.weights.insert(mesh_.weights.end(), vertex.weights.begin(), vertex.weights.end());
             values_.push_back(0);
         }
         return at->second;
@@ -110,8 +123,7 @@ private:
                 const auto [at, is_new] = index.insert({corner, std::uint32_t(part.places.size())});
                 if (is_new) {
                     part.places.push_back(mesh_.places[corner]);
-                    const auto row = mesh_.weights.begin() + std::ptrdiff_t(corner * bones_);
-                    part.weights.insert(part.weights.end(), row, row + std::ptrdiff_t(bones_));
+                    copy_weights(mesh_, corner, part);
                 }
                 corner = at->second;
             }
@@ -123,12 +135,6 @@ private:
     PuppetPart mesh_;
     std::size_t bones_;
     std::vector<double> values_;
-    struct Snapped {
-        std::uint32_t vertex;
-        Point3 place;
-        std::vector<double> weights;
-    };
-    std::vector<Snapped> snapped_;
     std::map<std::array<std::uint32_t, 2>, std::uint32_t> crossings_;
 };
 
@@ -152,7 +158,6 @@ void append(PuppetPart& part, const PuppetPart& other) {
 /// Moves the vertices outwards, and adds normals and texture coordinates. A vertex where u jumps is doubled.
 PuppetPart finished(const PuppetPart& cut_part, double thickness, const Cylinder& chart) {
     const std::size_t right = (chart.axis + 2) % 3, up = (chart.axis + 1) % 3;
-    const std::size_t bones = cut_part.weights.size() / cut_part.places.size();
     PuppetPart part;
     std::map<std::pair<std::uint32_t, bool>, std::uint32_t> index; // by vertex and turn
     for (const Face& face : cut_part.faces) {
@@ -171,8 +176,7 @@ PuppetPart finished(const PuppetPart& cut_part, double thickness, const Cylinder
             const Point3& p = cut_part.places[face[k]];
             part.normals.push_back(outward(p));
             part.places.push_back(p + thickness * part.normals.back());
-            const auto row = cut_part.weights.begin() + std::ptrdiff_t(face[k] * bones);
-            part.weights.insert(part.weights.end(), row, row + std::ptrdiff_t(bones));
+            copy_weights(cut_part, face[k], part);
             part.texture.push_back({float(chart.around * (turns[k] + (is_next ? 1.5 : 0.5))),
                                     float(-chart.along * (p[chart.axis] - chart.centre[chart.axis]))});
         }
