@@ -141,11 +141,12 @@ class Builder:
         return primitive
 
     def animate(self, *channels, keys=(0.0, 0.4, 1.0)):
-        """Adds an animation: channels are (node, path, rows, interpolation)."""
+        """Adds an animation: channels are (node, path, rows, interpolation); rows of int16 are normalised."""
         times, animation = self.accessor(np.array(keys, np.float32), True), {"channels": [], "samplers": []}
         for node, path, rows, way in channels:
             animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
-            animation["samplers"].append({"input": times, "output": self.accessor(np.asarray(rows, np.float32)), "interpolation": way})
+            rows = np.asarray(rows) if getattr(rows, "dtype", None) == np.int16 else np.asarray(rows, np.float32)
+            animation["samplers"].append({"input": times, "output": self.accessor(rows, normalized=rows.dtype == np.int16), "interpolation": way})
         return self.add("animations", animation)
 
     def write(self, path):

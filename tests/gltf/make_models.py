@@ -571,6 +571,12 @@ def skin_with_one_sampler(b):
 
 
 @model
+def skin_i16_turns(b):
+    nodes = skinned(b)
+    b.animate((nodes[1], "rotation", whole(np.array([b.rotation(0.7) for _ in range(3)]), np.int16), "LINEAR"))
+
+
+@model
 def quantized_skin(b):
     b.use("KHR_mesh_quantization", True)
     nodes, worlds = skeleton(b)
