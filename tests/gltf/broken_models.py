@@ -49,7 +49,7 @@ def targets(b):
 
 def sparse(b):
     b.figure("POSITION")
-    indices, values = b.view(np.array([2, 5, 7], np.uint16).tobytes()), b.view(b.points(3).tobytes())
+    indices, values = b.view(np.array([2, 5, 7], np.uint16).tobytes()), b.view(np.frombuffer(bytes(b.data[0]), np.float32, 36).reshape(12, 3)[[2, 5, 7]].tobytes())
     b.json["accessors"][0]["sparse"] = {"count": 3, "indices": {"bufferView": indices, "componentType": 5123}, "values": {"bufferView": values}}
 
 
