@@ -58,6 +58,15 @@ class Builder:
             item["min"], item["max"] = rows.min(0).tolist(), rows.max(0).tolist()
         return self.add("accessors", {"bufferView": view, **item})
 
+    def put(self, accessor, where, values, kind=np.uint16, keep=True):
+        """Gives an accessor sparse values, of which the rows `where` change; without `keep`, the others become 0."""
+        item, where = self.json["accessors"][accessor], np.asarray(where, kind)
+        item["sparse"] = {"count": len(where), "indices": {"bufferView": self.view(where.tobytes()), "componentType": CODES[where.dtype]},
+                          "values": {"bufferView": self.view(values.tobytes())}}
+        if not keep:
+            del item["bufferView"]
+        return item
+
     def attributes(self, columns, buffer=0):
         return {name: self.accessor(rows, name == "POSITION", rows.dtype.kind in "iu" and not name.startswith("JOINTS"), target=34962, buffer=buffer)
                 for name, rows in columns.items()}

@@ -254,7 +254,7 @@ class Distances:
                 if name != "POSITION":
                     distance = distance[np.linalg.norm(right[:, :3], axis=1) > 0.5]
                 most = float(distance.max(initial=0)) / (self.size if name == "POSITION" else 1)
-                demand(not strict or most <= self.limits[name], f"{label}{name} of node {n}, primitive {p}, vertex {int(distance.argmax()) if len(distance) else 0} is {most:.1e} off")
+                demand(not strict or most <= self.limits[name], f"{label}{name} of node {n}, primitive {p} is {most:.1e} off")
                 largest[name] = max(largest[name], most)
         return largest
 

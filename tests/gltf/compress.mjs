@@ -119,7 +119,7 @@ function meshopt(from, name, { filters = false, fallback = false, extension = "E
       view.extensions = { [extension]: { buffer: 0, byteOffset: packed.add(data), byteLength: data.length, ...item } };
     }
     Object.assign(decoded.bufferViews[k], { byteOffset: plain.add(source), byteLength: source.length });
-    Object.assign(view, how ? { buffer: 1, byteOffset: decoded.bufferViews[k].byteOffset, byteLength: source.length } : { byteOffset: packed.add(source) });
+    Object.assign(view, how ? { ...decoded.bufferViews[k], buffer: 1 } : { byteOffset: packed.add(source) });
   });
   decoded.accessors.forEach((accessor, k) => {
     if (accessor.min && accessor.bufferView !== undefined && !accessor.sparse) bounds(accessor, numbers(decoded, plain.data, accessor));

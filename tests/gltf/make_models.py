@@ -118,8 +118,8 @@ def shared_positions(b):
     first = b.primitive(b.columns(12, "POSITION NORMAL TEXCOORD_0"))
     other = b.accessor(b.directions(12), target=34962)
     place = first["attributes"]["POSITION"]
-    b.node(mesh=b.mesh(first, {**first, "indices": b.indices(b.triangles(12))}, {"attributes": {"POSITION": place, "NORMAL": other}, "indices": first["indices"]},
-                       {"attributes": {"POSITION": place}, "indices": first["indices"]}))
+    b.node(mesh=b.mesh(first, {**first, "indices": b.indices(b.triangles(12))}, {**first, "attributes": {"POSITION": place, "NORMAL": other}},
+                       {**first, "attributes": {"POSITION": place}}))
 
 
 @model
@@ -136,29 +136,21 @@ def position_as_normal(b):
     b.node(mesh=b.mesh({"attributes": {"POSITION": place, "NORMAL": place}, "indices": b.indices(b.triangles(24))}))
 
 
+def set_bounds(item, rows):
+    item["min"], item["max"] = rows.min(0).tolist(), rows.max(0).tolist()
+
+
 @model
 def sparse(b):
-    n, base = 12, b.points(12)
-    where, values = np.array([1, 4, 9]), b.points(3)
-
-    def put(accessor, where, values, kind):
-        item = b.json["accessors"][accessor]
-        item["sparse"] = {"count": len(where), "indices": {"bufferView": b.view(where.astype(kind).tobytes()), "componentType": {1: 5121, 2: 5123, 4: 5125}[np.dtype(kind).itemsize]},
-                          "values": {"bufferView": b.view(values.tobytes())}}
-        return item
-
+    n, where, base = 12, [1, 4, 9], b.points(12)
     first = b.primitive({"POSITION": base, "NORMAL": b.directions(n)})
-    item = put(first["attributes"]["POSITION"], where, values, np.uint8)
-    base[where] = values
-    item["min"], item["max"] = base.min(0).tolist(), base.max(0).tolist()
-    put(first["attributes"]["NORMAL"], where, b.directions(3), np.uint16)
-    empty = b.accessor(np.zeros((n, 3), np.float32), target=34962)
-    item = put(empty, np.arange(n - 1), b.points(n - 1), np.uint32)
-    values = np.frombuffer(bytes(b.data[0][-12 * (n - 1) :]), np.float32).reshape(-1, 3)
-    item["min"], item["max"] = np.minimum(values.min(0), 0).tolist(), np.maximum(values.max(0), 0).tolist()
-    del item["bufferView"]
-    b.json["bufferViews"][-1].pop("target", None)
-    b.node(mesh=b.mesh(first, {"attributes": {"POSITION": empty}}))
+    base[where] = b.points(3)
+    set_bounds(b.put(first["attributes"]["POSITION"], where, base[where], np.uint8), base)
+    b.put(first["attributes"]["NORMAL"], where, b.directions(3))
+    of_zeros, rows = b.accessor(np.zeros((n, 3), np.float32)), b.points(n)
+    rows[-1] = 0
+    set_bounds(b.put(of_zeros, np.arange(n - 1), rows[:-1], np.uint32, keep=False), rows)
+    b.node(mesh=b.mesh(first, {"attributes": {"POSITION": of_zeros}}))
 
 
 # ---- nodes and scenes ----
@@ -334,7 +326,8 @@ def buffers_of_glb(b):
 
 
 def textured(b, image):
-    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": b.add("textures", {"source": b.add("images", image)}), "texCoord": 0}}, "name": "paint"}
+    texture = b.add("textures", {"source": b.add("images", image)})
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": texture, "texCoord": 0}}, "name": "paint"}
     b.node(mesh=b.mesh(b.primitive(b.columns(12, "POSITION NORMAL TEXCOORD_0"), material=b.add("materials", material))))
 
 
@@ -555,8 +548,8 @@ def mesh_below_joint(b):
 def skin_played(b):
     nodes = skinned(b)
     turns = lambda: [b.rotation(0.7) for _ in range(3)]  # noqa: E731
-    b.animate((nodes[0], "translation", b.points(3, 0.5), "LINEAR"), (nodes[1], "rotation", turns(), "LINEAR"), (nodes[2], "rotation", turns(), "STEP"),
-              (nodes[3], "translation", b.points(9, 0.3), "CUBICSPLINE"), (nodes[3], "scale", b.rng.uniform(0.8, 1.2, (3, 3)), "STEP"))
+    b.animate((nodes[0], "translation", b.points(3, 0.5), "LINEAR"), (nodes[1], "rotation", turns(), "LINEAR"),
+              (nodes[2], "rotation", turns(), "STEP"), (nodes[3], "translation", b.points(9, 0.3), "CUBICSPLINE"), (nodes[3], "scale", b.rng.uniform(0.8, 1.2, (3, 3)), "STEP"))
     cubic = np.array([q for turn_ in turns() for q in (b.numbers(-0.1, 0.1, 4), turn_, b.numbers(-0.1, 0.1, 4))])
     b.animate((nodes[1], "rotation", cubic, "CUBICSPLINE"), (nodes[2], "scale", b.rng.uniform(0.8, 1.2, (3, 3)), "LINEAR"), keys=(0.2, 0.5, 2))
 
@@ -618,15 +611,11 @@ def targets_of_two_nodes(b):
 
 @model
 def targets_sparse(b):
-    node = morphed(b, mesh={"weights": [0.5, 0.5]})
-    primitive = b.json["meshes"][0]["primitives"][0]
-    assert node == 0
-    for target in primitive["targets"]:
-        rows, where = b.points(3), np.array([2, 3, 7], np.uint8)
-        item = b.json["accessors"][target["POSITION"]]
-        item["sparse"] = {"count": 3, "indices": {"bufferView": b.view(where.tobytes()), "componentType": 5121}, "values": {"bufferView": b.view(rows.tobytes())}}
-        del item["bufferView"]
-        item["min"], item["max"] = np.minimum(rows.min(0), 0).tolist(), np.maximum(rows.max(0), 0).tolist()
+    morphed(b, mesh={"weights": [0.5, 0.5]})
+    for target in b.json["meshes"][0]["primitives"][0]["targets"]:
+        rows, where = np.zeros((12, 3), np.float32), [2, 3, 7]
+        rows[where] = b.points(3)
+        set_bounds(b.put(target["POSITION"], where, rows[where], np.uint8, keep=False), rows)
 
 
 @model
@@ -658,7 +647,8 @@ def skin_and_targets(b):
 @model
 def everything(b):
     skin_and_targets(b)
-    for make in (twice_mirrored, hierarchy, texture_inside, lights_cameras_variants, strips_and_fans, sparse, attributes, targets_weights_of_mesh, interleaved):
+    for make in (twice_mirrored, hierarchy, texture_inside, lights_cameras_variants, strips_and_fans, sparse, attributes, targets_weights_of_mesh,
+                 interleaved):
         make(b)
 
 

@@ -9,7 +9,8 @@ const validator = createRequire(resolve(folder, "package.json"))("gltf-validator
 let faults = 0;
 for (const file of files) {
   const beside = async uri => new Uint8Array(readFileSync(resolve(dirname(file), decodeURIComponent(uri))));
-  const { issues, info } = await validator.validateBytes(new Uint8Array(readFileSync(file)), { uri: file, maxIssues: 100, externalResourceFunction: beside });
+  const options = { uri: file, maxIssues: 100, externalResourceFunction: beside };
+  const { issues, info } = await validator.validateBytes(new Uint8Array(readFileSync(file)), options);
   console.log(`${file}: ${issues.numErrors} errors, ${issues.numWarnings} warnings, ${issues.numInfos} infos, ` +
     `${issues.numHints} hints; ${info?.totalVertexCount} vertices, ${info?.maxInfluences} influences`);
   for (const { severity, code, message, pointer } of issues.messages)
