@@ -212,5 +212,5 @@ meshopt("attributes", "refused_khr_meshopt", { extension: "KHR_meshopt_compressi
 draco_("attributes", "draco_edgebreaker", "MESH_EDGEBREAKER_ENCODING");
 draco_("attributes", "draco_sequential", "MESH_SEQUENTIAL_ENCODING");
 draco_("skin_u8_weights", "draco_skin", "MESH_EDGEBREAKER_ENCODING");
-draco_("strips_and_fans", "draco_none_packed", "MESH_SEQUENTIAL_ENCODING");
+draco_("points_and_lines", "draco_and_lines", "MESH_SEQUENTIAL_ENCODING");
 draco_("hierarchy", "draco_hierarchy", "MESH_EDGEBREAKER_ENCODING");
