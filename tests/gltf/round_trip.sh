@@ -38,6 +38,7 @@ moves() { # FILE KIND OPERATION…
   sed "s|.*/$kind/|$kind |" "$folder/log"
   case $kind/$file in
     */draco* | */meshopt* | */quantized*) ;;
+    */buffers_of_glb.glb) ;; # its second buffer becomes part of the file
     rest/*.glb) cmp "$given" "$out" >"$folder/log" 2>&1 || { fails "$kind $file: the same bytes"; return; } ;;
   esac
   if [ -d "$modules/node_modules/gltf-validator" ]; then
@@ -70,5 +71,5 @@ for model in "$folder"/models/*.gl*; do
   moves "$model" stretched --scale all:1.4,0.7,1.1@0,0,0 --turn all:40,y@0,1,0 --move all:1,2,-1 --scale all:0.8,1,1.2@0,0,1
 done
 echo "$passed passed, $failed failed"
-"$python" "$here/broken_models.py" "$folder/broken" "$deform" '{in}' --cage box --move all:1,0,0 -o '{out}' || failed=1
+"$python" "$here/broken_models.py" "$folder/broken" "$deform" '{in}' --cage box --scale all:1.5,0.8,1.2 -o '{out}' || failed=1
 [ "$failed" -eq 0 ]
