@@ -218,7 +218,7 @@ def main():
             continue
         one = Document(path)
         try:
-            compare(one, written(move(one, MAP), os.path.join(folder, "reference", name)), MAP, False)
+            compare(one, written(move(one, MAP), os.path.join(folder, "reference", name)), MAP)
         except Difference as difference:
             failed += 1
             print(f"FAILED: {name}: {difference}")
@@ -227,7 +227,7 @@ def main():
         builder, message = move(one, MAP), "no difference"
         function(builder)
         try:
-            compare(one, written(builder, os.path.join(folder, "reference", "fault")), MAP, False)
+            compare(one, written(builder, os.path.join(folder, "reference", "fault")), MAP)
         except Difference as difference:
             message = str(difference)
         if words not in message:
