@@ -521,7 +521,7 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
     try {
         return SceneMover(*this, mesh, moved).write(path);
     } catch (const GltfFault& fault) {
-        return FileError{path.string() + ": " + fault.what()};
+        return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
         return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
     }
