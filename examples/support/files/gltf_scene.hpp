@@ -14,7 +14,7 @@ namespace cageform_support {
 
 using Affine3 = cageform::Transform<double, 3>;
 
-inline constexpr Affine3 identity3{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
+inline constexpr Affine3 identity_map{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}};
 
 inline Point3 mapped(const Affine3& a, const Point3& p) {
     return a.map_vector(p) + a.translation;
