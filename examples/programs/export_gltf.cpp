@@ -641,7 +641,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     fail_if(fault_of_outputs({given.out, given.picture}));
     const BoundScene bound = bind_scene(given, scene);
     warn_of_mirrors(given, scene, bound.points);
-    GltfDocument document;
+    GltfDocument document("cageform export_gltf");
     document.json["scene"] = 0;
     print_warnings(scene.parts.warnings);
     print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
@@ -661,13 +661,11 @@ int export_figure(const Arguments& given, const Scene& scene) {
         add_chosen_skin(document, given, scene, bound.points);
         moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
-    const auto text = value_or_fail(gltf_bytes(document, given.out));
     OutputFiles outputs;
-    outputs.add(given.out).write(text);
+    const std::size_t bytes = value_or_fail(save_gltf(document, given.out, outputs));
     if (picture) picture->write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
-    std::cout << printable(
-                     describe_gltf(given.out, scene.meshes, scene.parts, scene.figure, moved, text.size()))
+    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, scene.figure, moved, bytes))
               << '\n'
               << printed;
     return 0;

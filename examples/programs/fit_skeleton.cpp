@@ -193,22 +193,20 @@ int fit_figure(Arguments& given, MeshFile figure) {
         warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
-    GltfDocument document;
-    document.json["asset"]["generator"] = "cageform fit_skeleton";
+    GltfDocument document("cageform fit_skeleton");
     document.json["scene"] = 0;
     print_warnings(parts.warnings);
     print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
     add_skinned_meshes(document, meshes, figure, motion.skeleton.skin, "float", motion.skeleton.bones, 0);
     add_skeleton(document, meshes, motion.skeleton, motion.keys,
                  std::filesystem::path(given.rest).stem().string(), origin);
-    const auto bytes = value_or_fail(gltf_bytes(document, given.out));
 
     OutputFiles outputs;
-    outputs.add(given.out).write(bytes);
+    const std::size_t bytes = value_or_fail(save_gltf(document, given.out, outputs));
     if (!given.picture.empty())
         draw_skeleton(frames, motion, given.view.sight).write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
-    std::cout << printable(describe_gltf(given.out, meshes, parts, figure, count_bones(motion), bytes.size()))
+    std::cout << printable(describe_gltf(given.out, meshes, parts, figure, count_bones(motion), bytes))
               << '\n';
     if (given.report) std::cout << describe(motion) << describe_unused(parts);
     return 0;

@@ -280,11 +280,10 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
 /// The document: meshes, bones as nodes, skin, animation.
 ///
 ///   figure   its vertices are relative to `origin`
-std::string gltf_text(const MeshFile& figure, const Point3& origin, const ObjParts& parts,
-                      const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
-                      const cageform::SkinWeights& skin, bool binary) {
-    GltfDocument document;
-    document.json["asset"]["generator"] = "cageform skin_mesh";
+GltfDocument skinned_document(const MeshFile& figure, const Point3& origin, const ObjParts& parts,
+                              const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
+                              const cageform::SkinWeights& skin) {
+    GltfDocument document("cageform skin_mesh");
     document.json["scene"] = 0;
     print_warnings(parts.warnings);
     print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
@@ -330,9 +329,7 @@ std::string gltf_text(const MeshFile& figure, const Point3& origin, const ObjPar
     document.append("scenes", {{"nodes", roots}});
 
     add_turns(document, bones, first);
-    if (document.bytes() > 0x7fffffff)
-        throw Failure(figure.name + ": the file would be larger than glTF allows");
-    return document.text(binary);
+    return document;
 }
 
 /// The bone with a name; `otherwise` for an empty name.
@@ -470,8 +467,8 @@ int skin_figure(const Arguments& given, const MeshFile& figure, const std::vecto
              describe(loss) + "; a larger --skin reduces the error");
     }
     OutputFiles outputs;
-    outputs.add(given.out).write(gltf_text(stored, origin, parts, meshes, bones, skin,
-                                           std::filesystem::path(given.out).extension() != ".gltf"));
+    (void)value_or_fail(
+        save_gltf(skinned_document(stored, origin, parts, meshes, bones, skin), given.out, outputs));
     if (!given.picture.empty())
         draw_weights(given, figure, moved, written, bones.size(), painted)
             .write_png(outputs.add(given.picture));

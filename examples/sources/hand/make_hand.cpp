@@ -72,15 +72,14 @@ Rows difference(Rows a, const Rows& b) {
 }
 
 /// The clip as morph targets, one per key.
-std::string clip_text(const BoundHand& bound) {
+GltfDocument clip_document(const BoundHand& bound) {
     using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest
     const auto file =
         value_or_fail(parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj"));
     const auto meshes = value_or_fail(gltf_meshes(file, read_parts(file)));
     const GltfMesh& mesh = meshes.front();
-    GltfDocument document;
-    document.json["asset"]["generator"] = "cageform make_hand";
+    GltfDocument document("cageform make_hand");
     const Rows rest = gltf_positions(mesh, file.vertices),
                normals = gltf_normals(mesh, file, {file.vertices});
     GltfJson primitive;
@@ -114,7 +113,7 @@ std::string clip_text(const BoundHand& bound) {
     animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
     animation["channels"].push_back({{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}});
     document.append("animations", std::move(animation));
-    return document.text(true);
+    return document;
 }
 
 } // namespace
@@ -139,14 +138,14 @@ int run_program(int argc, char** argv) {
     if (sound.status != cageform::Status::ok)
         return fail(std::string("the skin: ") + to_string(sound.status));
     const ImplicitMesh cage = cage_of(hand);
-    const auto clip = clip_text(bound);
+    const GltfDocument clip = clip_document(bound);
     OutputFiles outputs;
     const auto path = std::filesystem::path(folder);
     outputs.add(path / "hand.obj").write(obj_text(hand.skin, "A right hand, made by make_hand"));
     outputs.add(path / "hand_cage.obj").write(obj_text(cage, "A cage of hand.obj, made by make_hand"));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
     outputs.add(path / "hand_poses.csv").write(poses_text(bound));
-    outputs.add(path / "hand.glb").write(clip);
+    const std::size_t bytes = value_or_fail(save_gltf(clip, (path / "hand.glb").string(), outputs));
     fail_if(outputs.commit());
     const auto shown = [](const std::filesystem::path& file) { return printable(file.string()); };
     std::cout << shown(path / "hand.obj") << ": " << hand.skin.vertices.size() << " vertices, "
@@ -154,6 +153,6 @@ int run_program(int argc, char** argv) {
               << shown(path / "hand_cage.obj") << ": " << cage.vertices.size() << " vertices\n"
               << shown(path / "hand_points.csv") << ": " << hand.points.size() << " control points\n"
               << shown(path / "hand_poses.csv") << ": " << hand_poses().size() << " poses\n"
-              << shown(path / "hand.glb") << ": " << clip.size() << " bytes\n";
+              << shown(path / "hand.glb") << ": " << bytes << " bytes\n";
     return 0;
 }

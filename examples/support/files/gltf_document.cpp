@@ -601,8 +601,10 @@ std::vector<std::string> GltfDocument::outside_files() const {
 }
 
 /// The JSON, with the indentation of the file; the text of the file if nothing has changed.
-std::string GltfDocument::json_text(const GltfJson& whole_json) const {
-    int indent = is_binary_ || text_.empty() ? -1 : 2;
+///
+///   new_indent   for documents that were not read from a .gltf file
+std::string GltfDocument::json_text(const GltfJson& whole_json, int new_indent) const {
+    int indent = is_binary_ || text_.empty() ? new_indent : 2;
     if (!text_.empty()) {
         if (GltfJson::parse(text_) == whole_json) return text_;
         const std::size_t line = text_.find('\n'), word = text_.find_first_not_of(" \t\r\n", line);
@@ -630,7 +632,7 @@ std::vector<WrittenFile> GltfDocument::glb_files(const std::filesystem::path& pa
     } else {
         bytes = packed_bytes(whole_json);
     }
-    std::string head = json_text(whole_json); // 4.4
+    std::string head = json_text(whole_json, -1); // 4.4
     head.resize((head.size() + 3) / 4 * 4, ' ');
     bytes.resize((bytes.size() + 3) / 4 * 4);
     const auto number = [](std::size_t n) {
@@ -690,7 +692,7 @@ std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& p
     } else {
         write_buffers(0, path, whole_json, files);
     }
-    files[0] = {path, json_text(whole_json) + (text_.empty() ? "\n" : "")};
+    files[0] = {path, json_text(whole_json, 1) + (text_.empty() ? "\n" : "")};
     return files;
 }
 
@@ -717,6 +719,17 @@ void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path&
         own["uri"] = percent_encoded(name.string());
         files.push_back({path.parent_path() / name, buffer.bytes});
     }
+}
+
+Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs) {
+    const auto files = document.files(path);
+    if (!files) return files.error();
+    std::size_t bytes = 0;
+    for (const WrittenFile& file : *files) {
+        outputs.add(file.path).write(file.bytes);
+        bytes += file.bytes.size();
+    }
+    return bytes;
 }
 
 } // namespace cageform_support

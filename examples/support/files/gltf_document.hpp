@@ -179,7 +179,7 @@ private:
         return add_view({reinterpret_cast<const char*>(values.data()), values.size_bytes()},
                         sizeof(std::array<T, N>), use);
     }
-    std::string json_text(const GltfJson& whole_json) const;
+    std::string json_text(const GltfJson& whole_json, int new_indent) const;
     std::string packed_bytes(GltfJson& whole_json) const;
     std::vector<WrittenFile> glb_files(const std::filesystem::path& path) const;
     void write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
@@ -224,5 +224,8 @@ private:
     bool repacks_ = false;          // whether buffers have data of decoded extensions, which are not written
     std::vector<bool> is_shared_;   // #accessors of the file; empty before the first replace()
 };
+
+/// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as GltfDocument::files().
+Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs);
 
 } // namespace cageform_support

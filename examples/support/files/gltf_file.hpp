@@ -6,122 +6,15 @@
 // Section numbers refer to the glTF 2.0 specification.
 
 #include "files/clip_file.hpp"
+#include "files/gltf_document.hpp"
 #include "files/obj_parts.hpp"
-#include "io/base64.hpp"
 #include "io/csv.hpp"
 #include "io/input_file.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/exchange/gltf.hpp>
 
-#include <nlohmann/json.hpp>
-
-#include <bit>
-#include <cstring>
-
 namespace cageform_support {
-
-using GltfJson = nlohmann::ordered_json;
-
-/// A document under construction: JSON and buffer.
-class GltfDocument {
-public:
-    enum class Use : std::uint16_t { vertices = 34962, indices = 34963, other = 0 }; // 5.11.5
-
-    GltfJson json = {{"asset", {{"version", "2.0"}, {"generator", "cageform export_gltf"}}}};
-
-    /// Appends an accessor with N numbers per element and its own buffer view; returns its index.
-    ///
-    ///   bounds   whether to write min and max of each component, as for positions and times
-    template <class T, std::size_t N>
-    std::size_t add(std::span<const std::array<T, N>> values, Use use, bool bounds = false,
-                    bool normalised = false) {
-        static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
-        bytes_.resize((bytes_.size() + 3) / 4 * 4); // 3.6.2.4
-        GltfJson view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size_bytes()}};
-        if (use == Use::vertices) view["byteStride"] = sizeof(std::array<T, N>);
-        if (use != Use::other) view["target"] = int(use);
-        bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-        json["bufferViews"].push_back(std::move(view));
-
-        GltfJson accessor = {{"bufferView", json["bufferViews"].size() - 1},
-                             {"componentType", component_type<T>()},
-                             {"count", values.size()},
-                             {"type", N == 1   ? "SCALAR"
-                                      : N == 2 ? "VEC2"
-                                      : N == 3 ? "VEC3"
-                                      : N == 4 ? "VEC4"
-                                               : "MAT4"}};
-        if (normalised) accessor["normalized"] = true;
-        for (std::size_t k = 0; bounds && k < N; ++k) {
-            T low = values[0][k], high = low;
-            for (const auto& value : values) {
-                low = std::min(low, value[k]);
-                high = std::max(high, value[k]);
-            }
-            accessor["min"].push_back(low);
-            accessor["max"].push_back(high);
-        }
-        return append("accessors", std::move(accessor));
-    }
-    template <class T, std::size_t N>
-    std::size_t add(const std::vector<std::array<T, N>>& values, Use use, bool bounds = false,
-                    bool normalised = false) {
-        return add(std::span<const std::array<T, N>>(values), use, bounds, normalised);
-    }
-
-    /// Appends raw bytes, such as an image, with their own buffer view; returns its index.
-    std::size_t add_bytes(std::string_view contents) {
-        bytes_.resize((bytes_.size() + 3) / 4 * 4);
-        GltfJson view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", contents.size()}};
-        bytes_.append(contents);
-        return append("bufferViews", std::move(view));
-    }
-
-    /// Appends to an array of the root object; returns the index.
-    std::size_t append(const char* array, GltfJson object) {
-        json[array].push_back(std::move(object));
-        return json[array].size() - 1;
-    }
-
-    /// The file's contents. Invalid UTF-8 in names is replaced.
-    std::string text(bool binary) const {
-        GltfJson whole = json;
-        std::string bytes = bytes_;
-        bytes.resize((bytes.size() + 3) / 4 * 4);
-        whole["buffers"].push_back({{"byteLength", bytes.size()}});
-        const auto dumped = [&](int indent) {
-            return whole.dump(indent, ' ', false, GltfJson::error_handler_t::replace);
-        };
-        if (!binary) {
-            whole["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(bytes);
-            return dumped(1) + '\n';
-        }
-        std::string head = dumped(-1); // 4.4
-        head.resize((head.size() + 3) / 4 * 4, ' ');
-        const auto number = [](std::size_t n) {
-            const auto word = static_cast<std::uint32_t>(n);
-            return std::string(
-                {char(word & 255), char(word >> 8 & 255), char(word >> 16 & 255), char(word >> 24)});
-        };
-        return "glTF" + number(2) + number(12 + 8 + head.size() + 8 + bytes.size()) + number(head.size()) +
-               "JSON" + head + number(bytes.size()) + std::string("BIN\0", 4) + bytes;
-    }
-    std::size_t bytes() const { return bytes_.size(); }
-
-private:
-    template <class T>
-    static int component_type() {
-        if constexpr (std::is_same_v<T, float>) {
-            return 5126;
-        } else {
-            static_assert(std::is_unsigned_v<T>);
-            return sizeof(T) == 1 ? 5121 : sizeof(T) == 2 ? 5123 : 5125;
-        }
-    }
-
-    std::string bytes_;
-};
 
 /// A mesh with one vertex per distinct combination of position, normal and texture coordinate at a corner.
 /// Vertices are in the order of the OBJ file, followed by duplicates. The only mesh of a file has all

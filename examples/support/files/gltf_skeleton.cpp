@@ -158,9 +158,4 @@ std::string describe_gltf(const std::string& path, std::span<const GltfMesh> mes
            " triangles, " + moved + ", " + std::to_string(bytes) + " bytes";
 }
 
-Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path) {
-    if (document.bytes() > 0x7fffffff) return FileError{path + ": would be larger than the format allows"};
-    return document.text(std::filesystem::path(path).extension() != ".gltf");
-}
-
 } // namespace cageform_support

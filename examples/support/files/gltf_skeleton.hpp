@@ -1,9 +1,8 @@
 #pragma once
 
-// glTF 2.0: skinned meshes, skeletons and their animation, and the bytes of a file.
+// glTF 2.0: skinned meshes, skeletons and their animation.
 
 #include "files/gltf_file.hpp"
-#include "io/atomic_file.hpp"
 
 #include <cageform/skeleton/fit_skeleton.hpp>
 
@@ -56,8 +55,5 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
 ///   bytes   of the file
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
                           const MeshFile& figure, const std::string& moved, std::size_t bytes);
-
-/// The contents of a file, .gltf or .glb by its name; fails if they are larger than the format allows.
-Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path);
 
 } // namespace cageform_support
