@@ -349,7 +349,7 @@ def refusal(path, words, code, said, left):
         faults.append("does not name the file")
     if not re.search(words, said, re.IGNORECASE):
         faults.append(f'does not say "{words}"')
-    if "exception" in said:
+    if re.search(r"exception\.(type_error|out_of_range\.40[13])", said):
         faults.append("says what only a programmer understands")
     if left:
         faults.append("leaves " + ", ".join(left))
