@@ -333,12 +333,11 @@ void write_folder(const std::filesystem::path& folder, const Mesh& figure, Writt
 /// Writes the character as glTF.
 void write_gltf(const std::string& path, const Mesh& figure, Written& written) {
     const auto document = cageform_programs::character_gltf(figure);
-    const std::string bytes = cageform_support::value_or_fail(cageform_support::gltf_bytes(document, path));
-    written.files.add(path).write(bytes);
+    const std::size_t bytes = cageform_support::value_or_fail(save_gltf(document, path, written.files));
     written.summary += cageform_support::printable(path) + ": ";
     for (const char* array : {"nodes", "meshes", "materials", "animations"})
         written.summary += std::to_string(document.json.at(array).size()) + ' ' + array + ", ";
-    written.summary += std::to_string(bytes.size()) + " bytes\n";
+    written.summary += std::to_string(bytes) + " bytes\n";
 }
 
 } // namespace

@@ -550,7 +550,7 @@ TEST_CASE("a PLY file without text has one object for glTF", "[examples][mesh_fo
         std::size_t indices = 0;
         for (const auto& part : meshes->front().parts) indices += part.indices.size();
         CHECK(indices == 3 * mesh.triangles.size());
-        GltfDocument document;
+        GltfDocument document("a test");
         CHECK(gltf_attributes(document, meshes->front(), mesh).contains("COLOR_0") == !mesh.colours.empty());
     });
 }

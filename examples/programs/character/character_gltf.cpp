@@ -388,8 +388,7 @@ std::vector<double> weights_of(const ImplicitMesh& mesh, const Rig& rig) {
 GltfDocument character_gltf(const ImplicitMesh& mesh) {
     Rig rig;
     const PuppetParts parts = puppet_parts(mesh, weights_of(mesh, rig));
-    GltfDocument document;
-    document.json["asset"]["generator"] = "cageform make_character";
+    GltfDocument document("cageform make_character");
     document.json["asset"]["copyright"] = "2026 the cageform authors, MIT License";
     document.json["scene"] = 0;
     add_materials(document);
