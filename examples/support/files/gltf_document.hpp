@@ -228,7 +228,8 @@ private:
     std::vector<bool> is_shared_;   // #accessors of the file; empty before the first replace()
 };
 
-/// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as GltfDocument::files().
+/// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as
+/// GltfDocument::files().
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs);
 
 } // namespace cageform_support
