@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 namespace cageform_support {
 
@@ -205,17 +204,6 @@ void print_notes(const std::string& name, const cageform::CageReport& report,
                  const std::string& of_coordinates) {
     warn_of_closed_gaps(name, report);
     note(of_coordinates);
-}
-
-std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices) {
-    std::ostringstream text;
-    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 3); ++n) {
-        const Point3& p = points[indices[n]];
-        text << (n == 0 ? "" : ", ") << "v " << indices[n] + 1 << " (" << p[0] << ", " << p[1] << ", " << p[2]
-             << ')';
-    }
-    if (indices.size() > 3) text << ", …";
-    return text.str();
 }
 
 PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>& poses, double seconds) {

@@ -77,9 +77,6 @@ std::string describe_mesh_faults(const std::string& name, const cageform::BindRe
 void print_notes(const std::string& name, const cageform::CageReport& report,
                  const std::string& of_coordinates);
 
-/// "v 1 (0.1, 0.2, 0.3), …": the first three points of a list, with vertex numbers of the file.
-std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
-
 /// A smooth motion from rest through poses (files) and back, `seconds` per step. Fails if a file cannot
 /// be read, is not a pose of the cage, or exceeds single precision.
 PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>& poses, double seconds);

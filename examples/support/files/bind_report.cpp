@@ -7,7 +7,6 @@
 #include <iomanip>
 #include <sstream>
 #include <unordered_map>
-#include <vector>
 
 namespace cageform_support {
 
@@ -257,6 +256,18 @@ void print_warnings(std::span<const std::string> warnings) {
     }
     if (kinds.size() > most_kinds)
         warn("and " + std::to_string(kinds.size() - most_kinds) + " more kinds of warnings");
+}
+
+std::string name_points(std::span<const cageform::Vec<double, 3>> points,
+                        const std::vector<std::size_t>& indices) {
+    std::ostringstream text;
+    for (std::size_t n = 0; n < std::min<std::size_t>(indices.size(), 3); ++n) {
+        const auto& p = points[indices[n]];
+        text << (n == 0 ? "" : ", ") << "v " << indices[n] + 1 << " (" << p[0] << ", " << p[1] << ", " << p[2]
+             << ')';
+    }
+    if (indices.size() > 3) text << ", …";
+    return text.str();
 }
 
 } // namespace cageform_support

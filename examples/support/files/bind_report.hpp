@@ -3,10 +3,12 @@
 // Formats the library's reports for people.
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace cageform_support {
 
@@ -63,5 +65,9 @@ std::string describe(const PackingLoss& loss);
 /// Prints warnings. Equal warnings on several elements become one line with the first element and a count. At
 /// most 100 lines.
 void print_warnings(std::span<const std::string> warnings);
+
+/// "v 1 (0.1, 0.2, 0.3), …": the first three points of a list, with vertex numbers of the file.
+std::string name_points(std::span<const cageform::Vec<double, 3>> points,
+                        const std::vector<std::size_t>& indices);
 
 } // namespace cageform_support

@@ -161,7 +161,7 @@ Expected<GltfDocument> GltfDocument::parse(std::string bytes, const std::string&
     } catch (const GltfFault& fault) {
         return FileError{path + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{path + ": is not a valid glTF document: " + fault.what()};
+        return json_error(path, fault);
     }
     return document;
 }
@@ -738,6 +738,14 @@ void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path&
         own["uri"] = percent_encoded(name.string());
         files.push_back({path.parent_path() / name, buffer.bytes});
     }
+}
+
+FileError json_error(const std::string& path, const GltfJson::exception& fault) {
+    const std::string_view text = fault.what(); // "[json.exception.parse_error.101] parse error at line 1, …"
+    const bool is_syntax = text.find(".parse_error.") != std::string_view::npos;
+    return {
+        path + ": is not a valid glTF document" +
+        (is_syntax ? ": " + std::string(text.substr(text.find(']') + 2)) : ": a property has a wrong type")};
 }
 
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs) {

@@ -228,6 +228,9 @@ private:
     std::vector<bool> is_shared_;   // #accessors of the file; empty before the first replace()
 };
 
+/// The error of nlohmann-json in a document, without its codes.
+FileError json_error(const std::string& path, const GltfJson::exception& fault);
+
 /// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as
 /// GltfDocument::files().
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs);

@@ -591,7 +591,7 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
     } catch (const GltfFault& fault) {
         return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
+        return json_error(mesh.name, fault);
     }
 }
 

@@ -562,7 +562,7 @@ Expected<MeshFile> read_scene(GltfDocument document, const std::string& name) {
     } catch (const GltfFault& fault) {
         return FileError{name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{name + ": is not a valid glTF document: " + fault.what()};
+        return json_error(name, fault);
     }
     if (const std::string why = detail::triangulate(mesh); !why.empty()) return FileError{name + ": " + why};
     mesh.document = scene;
