@@ -9,7 +9,7 @@
 #   --build-only  builds all programs and draws nothing
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev librsvg2-bin
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev libdraco-dev libmeshoptimizer-dev librsvg2-bin
 
 mode=${1:-}
 case $mode in

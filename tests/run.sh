@@ -29,7 +29,7 @@ for room in "$@"; do
   }
 done
 packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev zlib1g-dev libtinyobjloader-dev
-  libstb-dev libgmp-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
+  libstb-dev libgmp-dev libdraco-dev libmeshoptimizer-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
   asan | native)
     packages="$packages clang-19 libclang-rt-19-dev"

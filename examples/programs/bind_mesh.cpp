@@ -1,4 +1,4 @@
-// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, a
+// Binds a figure to a cage and packs the data for a game into one file: points, normals, triangles, a
 // motion of the cage. Formats: cageform/figure/figure.hpp, support/files/figure_parts.hpp.
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
@@ -130,7 +130,7 @@ cageform::PackedPoseSamples packed_samples(const ChosenCoordinates<float, 3>& co
     return std::move(packed.value);
 }
 
-/// Binds and packs the normals of the OBJ file, with the tolerance of tangents.
+/// Binds and packs the normals of the mesh, with the tolerance of tangents.
 cageform::PackedBinding<float, 3> packed_normals(const ChosenCoordinates<float, 3>& coordinates,
                                                  const std::vector<Point3>& places, const MeshFile& figure,
                                                  const Arguments& given, cageform::PackOptions options) {
@@ -287,12 +287,12 @@ int bind_figure(const Arguments& given, const MeshFile& figure, const MeshFile& 
 } // namespace
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Binds an OBJ figure to a cage and packs the data that a game needs into one file.");
+    CommandLine line("Binds a figure to a cage and packs the data that a game needs into one file.");
     line.set_examples({"character.obj --cage auto:112 -o character.figure",
                        "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance "
                        "0.001 -o character.figure"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file to bind").required();
+    line.add("figure", given.figure, "the mesh to bind").required();
     add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     line.add("--labels", given.labels,
@@ -307,7 +307,7 @@ int run_program(int argc, char** argv) {
                   "also pack samples of the cage's inside, for poses by pins in a game");
     line.add_flag(
         "--no-file-normals", given.no_file_normals,
-        "do not store the normals of the OBJ file: fewer bytes; clone_figure then computes normals from "
+        "do not store the normals of the mesh: fewer bytes; clone_figure then computes normals from "
         "the faces");
     add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print sizes and errors");

@@ -382,8 +382,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
 }
 
 void add_options(CommandLine& line, Arguments& given) {
-    line.add("cage", given.cage, "the cage: an OBJ file of a closed mesh, or a .lattice.json file")
-        .required();
+    line.add("cage", given.cage, "the cage: a closed mesh, or a .lattice.json file").required();
     given.tiles.add_options(line);
     given.moves.add_options(line);
     given.choice.with_normals = given.choice.in_space = true;

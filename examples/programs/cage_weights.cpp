@@ -322,7 +322,7 @@ int run_program(int argc, char** argv) {
          "--cage character_cage.obj --points places.csv --coordinates harmonic -o weights.csv"});
     Settings settings;
     line.add("--cage", settings.cage_path,
-             "the cage: in the plane a CSV or SVG file, in space an OBJ file of a closed mesh; for sibson "
+             "the cage: in the plane a CSV or SVG file, in space a closed mesh; for sibson "
              "and sibson-c1 a file of points; or a .lattice.json file")
         .required();
     line.add("--points", settings.points_path,

@@ -42,12 +42,17 @@ struct Arguments {
     std::size_t threads = 1;
     bool ascii = false, skip_existing = false, json = false, flips_faces = false;
 
+    /// The format of outputs without a mesh.
     PosedFormat format() const {
         const std::string ending = lowercase_extension(out);
         return ending == ".obj"   ? PosedFormat::obj
                : ending == ".npy" ? PosedFormat::npy
                : ascii            ? PosedFormat::ply_text
                                   : PosedFormat::ply;
+    }
+    /// The mesh's own format, if the extension is of it; --ascii writes a new file.
+    PosedFormat format_of(const MeshFile& of_mesh) const {
+        return !ascii && fault_of_extension(of_mesh, out).empty() ? PosedFormat::mesh : format();
     }
 };
 
@@ -136,7 +141,12 @@ public:
                 outcome.warning += (outcome.warning.empty() ? "" : "; ") + why;
         }
         Status of_normals = Status::ok;
-        const std::string contents = file_contents(points, pose, of_normals);
+        const auto written = file_contents(points, pose, of_normals);
+        if (!written) {
+            outcome.fault = poses.name_of(row) + ": " + to_string(written.error());
+            return outcome;
+        }
+        const std::string& contents = *written;
         if (of_normals != Status::ok)
             outcome.warning +=
                 (outcome.warning.empty() ? "" : "; ") + poses.name_of(row) +
@@ -156,8 +166,8 @@ public:
 
 private:
     /// Returns the bytes of a file, with points in the coordinates of the mesh file.
-    std::string file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose,
-                              Status& of_normals) const {
+    Expected<std::string> file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose,
+                                        Status& of_normals) const {
         if (parts_.origin == Vec<double, D>{}) return file_.contents(points, jacobians(pose, of_normals));
         return file_.contents(std::span<const Vec<double, D>>(places(points)), jacobians(pose, of_normals));
     }
@@ -308,6 +318,8 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
     PoseRows<D> poses(given.poses, rest, given.rate);
     if (!poses.error().empty()) return fail_to_read(poses);
     if (given.mesh.empty()) {
+        if (lowercase_extension(given.out) == ".stl")
+            return fail("-o " + given.out + ": needs --mesh, an STL file");
         const auto packed = figure.template part_as<std::array<std::uint32_t, 3>>("TRIS");
         std::vector<std::array<std::uint32_t, 3>> triangles(packed.begin(), packed.end());
         for (auto& triangle : triangles) {
@@ -329,18 +341,24 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         if (mesh->vertices.size() != figure.point_count())
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
                         " vertices, the figure " + std::to_string(figure.point_count()) + " points");
-        const bool has_faces = given.format() != PosedFormat::npy;
+        const PosedFormat format = given.format_of(*mesh);
+        if (lowercase_extension(given.out) == ".stl" && format != PosedFormat::mesh)
+            return fail(fault_of_extension(*mesh, given.out));
+        const bool has_faces = format != PosedFormat::npy;
         if (given.flips_faces && !has_faces)
             return fail("--flip-faces: " + given.mesh + " is written without faces");
+        if (given.flips_faces && format == PosedFormat::mesh) fail_if(fault_of_reversing(*mesh));
         if (given.flips_faces) *mesh = with_faces_reversed(std::move(*mesh));
-        PosedFile file(given.format(), scalar_bytes, *mesh);
-        const std::string others = given.format() == PosedFormat::obj   ? ""
-                                   : given.format() == PosedFormat::npy ? describe_others(*mesh, {"v"})
-                                                                        : describe_others(*mesh, {"v", "f"});
-        if (!others.empty()) note(given.mesh + ": not written: " + others + "; .obj files keep all");
+        PosedFile file(format, scalar_bytes, *mesh);
+        const std::string others = format == PosedFormat::mesh  ? ""
+                                   : format == PosedFormat::npy ? describe_others(*mesh, {"v"})
+                                                                : describe_others(*mesh, {"v", "f"});
+        if (!others.empty())
+            note(given.mesh + ": not written: " + others + "; " + extensions_of(*mesh)[0] +
+                 " files keep all");
         return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
     } else {
-        return fail("--mesh: " + given.figure + " is a figure in the plane; an OBJ file is in space");
+        return fail("--mesh: " + given.figure + " is a figure in the plane; a mesh is in space");
     }
 }
 
@@ -367,17 +385,17 @@ int run_program(int argc, char** argv) {
     line.add("--poses", given.poses, "a table of poses of its cage, or a clip: a CSV file").required();
     add_rows(line, given.rows);
     line.add("-o,--output", given.out,
-             "the files to write, with %06d where the row's number goes: .ply, .obj, or .npy, an array of "
-             "the points")
+             "the files to write, with %06d where the row's number goes: .ply, .obj, .npy, an array of the "
+             "points, or .stl with such a --mesh")
         .required()
-        .ends_with({".ply", ".obj", ".npy"})
+        .ends_with({".ply", ".obj", ".npy", ".stl"})
         .check([](const std::string& text) -> std::string {
             const std::string why = RowPath::fault(text);
             return why.empty() ? why : "\"" + text + "\" " + why;
         });
     line.add("--mesh", given.mesh,
-             "the OBJ file that was bound: .obj outputs keep all its contents, .ply outputs its faces. By "
-             "default outputs have the triangles of the figure, if any");
+             "the mesh that was bound: outputs in its format keep all its contents, other .ply and .obj "
+             "files its faces. By default outputs have the triangles of the figure, if any");
     line.add("--rate", given.rate, "poses of a clip per second").range(1e-3, 1e6).show_default();
     add_flip_faces(line, given.flips_faces);
     line.add_flag("--ascii", given.ascii, "write .ply files as text, not as bytes");

@@ -1,4 +1,4 @@
-// Deforms a mesh or a tetrahedral mesh by a cage and a pose of the cage.
+// Deforms a surface, a cloud of points or a tetrahedral mesh by a cage and a pose of the cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
@@ -310,8 +310,9 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
 } // namespace
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Deforms a mesh or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
-                     "the cage.");
+    CommandLine line(
+        "Deforms a surface, a cloud of points or a tetrahedral mesh by a cage, a closed mesh around it, "
+        "and a pose of the cage.");
     line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
                        "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj",
                        "model.obj --cage cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj",
@@ -363,6 +364,5 @@ int run_program(int argc, char** argv) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control.cage.vertices.size()));
     }
-    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return deform_figure(given, figure, std::move(control));
 }

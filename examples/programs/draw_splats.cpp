@@ -28,7 +28,7 @@ int run_program(int argc, char** argv) {
     ViewChoice view;
     line.add("scene", path, "the PLY file of splats to draw").required();
     line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
-    line.add("--beside", beside, "also draw this OBJ file, left of the splats, with the same view");
+    line.add("--beside", beside, "also draw this mesh, left of the splats, with the same view");
     view.add_options(line);
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();

@@ -780,7 +780,7 @@ int run_program(int argc, char** argv) {
         {"character.obj --cage auto --turn 5-9:30,z --bones auto --max-distance 0.2% -o character.glb",
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file").required();
+    line.add("figure", given.figure, "the mesh").required();
     add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     const auto of_bones = add_outputs(line, given);

@@ -39,7 +39,7 @@ struct Arguments {
 constexpr double default_rate = 30;
 
 constexpr const char* frames_format =
-    "The frames are OBJ files with the same vertices in the same order as the figure, or\n"
+    "The frames are meshes with the same vertices in the same order as the figure, or\n"
     "one MDD file. Files in the order of a shell pattern are sorted by number. An MDD\n"
     "file contains times, which --rate replaces. For MDD files of Blender, whose z\n"
     "axis is reversed, use --axes x,y,-z.\n";
@@ -221,9 +221,8 @@ int run_program(int argc, char** argv) {
     line.set_examples({"rest.obj frame_*.obj -o skin.glb --bones auto --max-distance 0.2%",
                        "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report"});
     Arguments given;
-    line.add("figure", given.rest, "the OBJ file of the figure at rest").required();
-    line.add("frames", given.frames,
-             "OBJ files, one per frame, or one MDD file; messages number frames from 0")
+    line.add("figure", given.rest, "the mesh of the figure at rest").required();
+    line.add("frames", given.frames, "meshes, one per frame, or one MDD file; messages number frames from 0")
         .required();
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
@@ -238,7 +237,7 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     line.add("--rate", given.rate,
              "frames per second: frame k is at k / RATE seconds. By default the times of an MDD file, and 30 "
-             "per second for OBJ files")
+             "per second for meshes")
         .range(1e-3, 1e6);
     line.add("--axes", given.axes,
              "the axes of the MDD file: x,y,z; x,y,-z as Blender writes; or x,z,-y if y is up in the MDD "

@@ -150,7 +150,7 @@ int run_program(int argc, char** argv) {
     line.set_examples({"man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png",
                        "icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg"});
     Arguments given;
-    line.add("rest", given.rest, "the figure at rest: an OBJ or SVG file").required();
+    line.add("rest", given.rest, "the figure at rest: a mesh or an SVG file").required();
     line.add("posed", given.posed, "the same file with moved vertices").required();
     line.add("--cage", given.cage, "the lattice: lattice:4x4 or lattice:4x4x4, or a .lattice.json file")
         .required();
@@ -171,5 +171,5 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     line.set_footer(mesh_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    return lowercase_extension(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
+    return is_mesh_path(given.rest) ? fit_in_space(given) : fit_in_plane(given);
 }

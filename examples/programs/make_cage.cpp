@@ -263,7 +263,7 @@ void check_options(const Arguments& given) {
     if (given.png && given.picture.empty()) throw Failure("--png is for --picture");
     if (given.out.ends_with(".json") && (!given.lattice || !is_lattice_path(given.out)))
         throw Failure(given.out + ": give --lattice and a name that ends with .lattice.json");
-    const bool in_space = given.figure.ends_with(".obj");
+    const bool in_space = is_mesh_path(given.figure);
     for (const std::string& path : {given.out, given.picture}) {
         const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");
         if (!path.empty() && !path.ends_with(".json") && is_of_space != in_space)
@@ -284,13 +284,13 @@ int run_program(int argc, char** argv) {
                        "character.obj --vertices auto --volume 15% -o cage.obj",
                        "icon.svg --lattice 4x4 -o icon.lattice.json --picture numbers.svg"});
     Arguments given;
-    line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
+    line.add("figure", given.figure, "an SVG file, or in space a mesh: any faces").required();
     add_shape(line, given, add_size(line, given));
     add_outputs(line, given);
     line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     check_options(given);
-    const bool in_space = given.figure.ends_with(".obj");
+    const bool in_space = is_mesh_path(given.figure);
     auto& options = given.options;
     options.vertices = given.vertices.count;
     if (given.vertices.fewest && options.looseness == 0) options.looseness = in_space ? 0.25 : 0.05;

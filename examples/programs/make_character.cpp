@@ -1,20 +1,23 @@
 // Makes a sample figure: a puppet in T-pose, a cage of 112 vertices, a pose and a dance of the cage.
 //
-//     make_character out
+//     make_character out -o character.glb
 //
 // writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a
 // periodic dance of the cage (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
-// bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
+// bends an arm (skin_mesh). character.glb is the same puppet as a character of a game: glTF 2.0 with joints,
+// materials, textures, morph targets and two animations (character/character_gltf.hpp). Either output is
+// optional. The puppet is a smooth union of rounded bodies, meshed by surface nets
 // (support/pictures/surface_nets.hpp). The ground is y = 0, y is up, and the puppet faces along z.
 
+#include "character/character_gltf.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "files/clip_file.hpp"
+#include "files/gltf_skeleton.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 #include "pictures/plot.hpp"
-#include "pictures/surface_nets.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 
@@ -34,50 +37,10 @@ namespace {
 using Point = cageform::Vec<double, 3>;
 
 using Mesh = cageform_support::ImplicitMesh;
-using cageform_support::ball;
-using cageform_support::carve;
-using cageform_support::ellipsoid;
+using cageform_programs::puppet;
+using cageform_programs::ramp;
 using cageform_support::fail;
-using cageform_support::join;
 using cageform_support::length;
-using cageform_support::limb;
-
-/// Smooth step: 0 up to `from`, 1 beyond `to`; `to` may be less than `from`.
-double ramp(double from, double to, double x) {
-    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
-// ---- the puppet ----
-
-double puppet(const Point& at) {
-    const Point p{std::fabs(at[0]), at[1], at[2]}; // symmetric in x
-    // Trunk.
-    double body = ellipsoid(p, {0, 0.9, 0}, {0.21, 0.14, 0.145});
-    body = join(body, ellipsoid(p, {0, 1.06, 0.015}, {0.195, 0.23, 0.15}), 0.06);
-    body = join(body, ellipsoid(p, {0, 1.28, 0}, {0.205, 0.15, 0.13}), 0.06);
-    body = join(body, limb(p, {0, 1.36, 0}, {0, 1.54, 0}, 0.085, 0.07), 0.05);
-    // Legs, feet.
-    body = join(body, limb(p, {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, 0.1, 0.078), 0.04);
-    body = join(body, limb(p, {0.178, 0.46, 0.005}, {0.186, 0.12, -0.01}, 0.078, 0.064), 0.03);
-    body = join(body, limb(p, {0.186, 0.066, -0.035}, {0.196, 0.07, 0.15}, 0.062, 0.07), 0.04);
-    // Arms, hands with a thumb.
-    body = join(body, limb(p, {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, 0.082, 0.066), 0.06);
-    body = join(body, limb(p, {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, 0.066, 0.05), 0.03);
-    body = join(body, ellipsoid(p, {0.895, 1.325, 0}, {0.105, 0.055, 0.072}), 0.03);
-    body = join(body, limb(p, {0.85, 1.335, 0.04}, {0.88, 1.345, 0.105}, 0.03, 0.027), 0.03);
-    // Buttons.
-    for (const Point& button : {Point{0, 1.31, 0.128}, Point{0, 1.185, 0.147}, Point{0, 1.06, 0.164}})
-        body = join(body, ellipsoid(p, button, {0.036, 0.036, 0.022}), 0.008);
-    // Head: nose, ears, eyes, a carved smile.
-    double head = ellipsoid(p, {0, 1.71, 0.005}, {0.175, 0.19, 0.168});
-    head = join(head, ball(p, {0, 1.695, 0.175}, 0.034), 0.02);
-    head = join(head, ellipsoid(p, {0.177, 1.7, -0.005}, {0.032, 0.052, 0.035}), 0.02);
-    head = join(head, ball(p, {0.068, 1.757, 0.143}, 0.031), 0.01);
-    const double smile = std::hypot(std::hypot(p[0], p[1] - 1.705) - 0.088, p[2] - 0.155) - 0.018;
-    head = carve(head, std::max(smile, p[1] - 1.66), 0.012);
-    return join(body, head, 0.03);
-}
 
 // ---- the cage: a sheet of cells around the outline, with a front and a back ----
 
@@ -240,34 +203,17 @@ Joints dancing(double part) {
 
 // ---- the bones ----
 
-/// Returns the bones of both sides and of the middle in the format of skin_mesh. The left arm is bent.
+/// The bones in the format of skin_mesh. The left arm is bent.
 std::string bones_text() {
     std::string text = "# The puppet's bones\n"
-                       "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n"
-                       "hips,,0,0.86,0,0,1.02,0,0,0,0\n"
-                       "chest,hips,0,1.02,0,0,1.38,0,0,0,0\n"
-                       "neck,chest,0,1.38,0,0,1.54,0,0,0,0\n"
-                       "head,neck,0,1.54,0,0,1.82,0,0,12,0\n";
-    for (const int side : {1, -1}) {
-        const auto add = [&](const char* name, const char* parent, const Point& head, const Point& tail,
-                             const Point& turn) {
-            const char* of_side = side > 0 ? "left " : "right ";
-            const bool from_middle =
-                std::string_view(parent) == "chest" || std::string_view(parent) == "hips";
-            text += std::string(of_side) + name + ',' + (from_middle ? "" : of_side) + parent;
-            const double turns = side > 0 ? 1 : 0;
-            for (const double x : {side * head[0], head[1], head[2], side * tail[0], tail[1], tail[2],
-                                   turns * turn[0], turns * turn[1], turns * turn[2]})
-                text += ',' + cageform_support::text_of("%g", x);
-            text += '\n';
-        };
-        add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
-        add("upper arm", "shoulder", {0.2, 1.325, 0}, {0.545, 1.325, -0.005}, {0, 0, 20});
-        add("forearm", "upper arm", {0.545, 1.325, -0.005}, {0.8, 1.325, 0}, {0, 0, 75});
-        add("hand", "forearm", {0.8, 1.325, 0}, {0.95, 1.325, 0}, {});
-        add("thigh", "hips", {0.15, 0.83, 0}, {0.178, 0.46, 0.005}, {});
-        add("shin", "thigh", {0.178, 0.46, 0.005}, {0.186, 0.1, -0.02}, {});
-        add("foot", "shin", {0.186, 0.066, -0.02}, {0.196, 0.07, 0.15}, {});
+                       "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n";
+    const auto bones = cageform_programs::puppet_bones();
+    for (const auto& bone : bones) {
+        text += bone.name + ',' + (bone.parent == bone.none ? std::string() : bones[bone.parent].name);
+        for (const Point& p : {bone.head, bone.tail, bone.turn}) {
+            for (const double x : {p[0], p[1], p[2]}) text += ',' + cageform_support::text_of("%g", x);
+        }
+        text += '\n';
     }
     return text;
 }
@@ -341,20 +287,34 @@ void check_inside(const Mesh& figure, const Cage& cage) {
         std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
 }
 
-/// Writes all files, and prints their names.
-void write_files(const std::filesystem::path& folder, const Mesh& figure, const Mesh& cage, const Mesh& pose,
-                 const cageform_support::PoseClip& dance) {
+/// The files of a run, and what is printed about them.
+struct Written {
+    cageform_support::OutputFiles files;
+    std::string summary;
+};
+
+/// Writes the files of the folder.
+void write_folder(const std::filesystem::path& folder, const Mesh& figure, Written& written) {
+    const Cage cage = make_cage();
+    const Mesh pose = posed_cage(cage, waving);
+    const auto dance = dance_of(cage);
+    check(cage.mesh, "the cage");
+    check(pose, "the pose");
+    check(cage, dance);
+    check_inside(figure, cage);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+        throw cageform_support::Failure("cannot make the folder " + folder.string() + ": " + error.message());
     std::vector<Point> normals;
     for (const Point& p : figure.vertices) {
         const Point g = cageform_support::slope(puppet, p);
         normals.push_back((1 / length(g)) * g);
     }
-    cageform_support::OutputFiles outputs;
-    std::string summary;
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = folder / name;
-        outputs.add(path).write(text);
-        summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
+        written.files.add(path).write(text);
+        written.summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
     };
     const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
                                 const std::vector<Point>& vertex_normals) {
@@ -363,41 +323,48 @@ void write_files(const std::filesystem::path& folder, const Mesh& figure, const 
                   " faces");
     };
     write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
-    write_mesh("character_cage.obj", "The puppet's cage", cage, {});
+    write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {});
     write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
     write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
           std::to_string(keys) + " poses of the cage in 2.4 s");
     write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
-    cageform_support::fail_if(outputs.commit());
-    std::cout << summary;
+}
+
+/// Writes the character as glTF.
+void write_gltf(const std::string& path, const Mesh& figure, Written& written) {
+    const auto document = cageform_programs::character_gltf(figure);
+    const std::size_t bytes = cageform_support::value_or_fail(save_gltf(document, path, written.files));
+    written.summary += cageform_support::printable(path) + ": ";
+    for (const char* array : {"nodes", "meshes", "materials", "animations"})
+        written.summary += std::to_string(document.json.at(array).size()) + ' ' + array + ", ";
+    written.summary += std::to_string(bytes) + " bytes\n";
 }
 
 } // namespace
 
 int run_program(int argc, char** argv) {
     cageform_support::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
-                                       "files, a dance of the cage, and bones.");
-    line.set_examples({"out", "."});
-    std::string folder;
+                                       "files, a dance of the cage, and bones. Also makes the puppet as glTF "
+                                       "with a skeleton, materials and animations.");
+    line.set_examples({"out", ".", "-o character.glb"});
+    std::string folder, out;
     line.add("folder", folder,
              "where character.obj, character_cage.obj, character_pose.obj, character_clip.csv and "
-             "character.bones.csv are written")
-        .required();
+             "character.bones.csv are written");
+    line.add("-o,--output", out,
+             "write the puppet as a character of a game: .glb or .gltf with named joints, a skin, "
+             "materials, textures, morph targets, and the animations walk and greeting")
+        .ends_with({".glb", ".gltf"});
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (folder.empty() && out.empty()) return fail("give a folder, or a file by -o");
 
     const Mesh figure =
         cageform_support::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
-    const Cage cage = make_cage();
-    const Mesh pose = posed_cage(cage, waving);
-    const auto dance = dance_of(cage);
     check(figure, "the figure");
-    check(cage.mesh, "the cage");
-    check(pose, "the pose");
-    check(cage, dance);
-    check_inside(figure, cage);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) return fail("cannot make the folder " + folder + ": " + error.message());
-    write_files(folder, figure, cage.mesh, pose, dance);
+    Written written;
+    if (!folder.empty()) write_folder(folder, figure, written);
+    if (!out.empty()) write_gltf(out, figure, written);
+    cageform_support::fail_if(written.files.commit());
+    std::cout << written.summary;
     return 0;
 }

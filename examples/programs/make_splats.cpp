@@ -23,7 +23,7 @@ int run_program(int argc, char** argv) {
     SurfaceSplatOptions options;
     std::size_t seed = options.seed;
     bool is_strict = false;
-    line.add("mesh", path, "the OBJ file to cover").required();
+    line.add("mesh", path, "the mesh to cover").required();
     line.add("-o,--output", out, "the PLY file to write").required().ends_with({".ply"});
     line.add("--count", options.count, "the number of splats").range(1, 20000000).show_default();
     line.add("--degree", options.degree, "the degree of spherical harmonics: 0 has no view dependence")

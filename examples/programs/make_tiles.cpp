@@ -97,7 +97,7 @@ int run_program(int argc, char** argv) {
     CommandLine line("Makes files of random points on the faces of a mesh, for bind_tiles.");
     line.set_examples({"character.obj --points 1000000 --tiles 8 -o 'tiles/%02d.ply'"});
     Arguments given;
-    line.add("mesh", given.mesh, "an OBJ file with faces").required();
+    line.add("mesh", given.mesh, "a mesh with faces").required();
     line.add("--points", given.points, "the number of points in all tiles").show_default();
     line.add("--tiles", given.tiles, "the number of files").range(1, 1000000).show_default();
     add_rows(line, given.rows);

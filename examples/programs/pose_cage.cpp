@@ -115,8 +115,7 @@ int run_program(int argc, char** argv) {
         {"cage.svg --figure icon.svg --picture numbers.svg",
          "cage.svg --turn 7-11:-30@v6,12 --move 3:20,40 -o pose.svg --picture pose_numbers.svg"});
     Arguments given;
-    line.add("cage", given.cage, "an SVG or CSV file, in space an OBJ file, or a .lattice.json file")
-        .required();
+    line.add("cage", given.cage, "an SVG or CSV file, in space a mesh, or a .lattice.json file").required();
     CoordinatesChoice of_coordinates;
     of_coordinates.in_plane = of_coordinates.with_normals = true;
     line.add("--coordinates", given.coordinates,

@@ -497,7 +497,7 @@ int run_program(int argc, char** argv) {
         {"character.obj --bones character.bones.csv -o skinned.glb",
          "character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file: a mesh, preferably closed").required();
+    line.add("figure", given.figure, "the mesh, preferably closed").required();
     line.add("--bones", given.bones, "its bones: a CSV file").required();
     line.add("--weights", given.weights,
              "heat (from the nearest bone that a vertex sees) or harmonic (1 on the middle third of each "

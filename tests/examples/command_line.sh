@@ -1637,7 +1637,7 @@ make_box="$programs/make_box"
 works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
 grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
 report $ok "tells its size"
-refuses '--flip-faces: bar.mesh: only OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
+refuses '--flip-faces: bar.mesh: the format is not supported' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
 works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
 [ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
 report $ok "has eight corners and six cells"

@@ -27,6 +27,12 @@ cp "$data/puzzle.csv" pool
   seq 8 >corner_weights.txt
   "$programs/bind_tiles" box.obj --points box.obj -o box.figure --coordinates harmonic --accuracy 0.1 --save-solution box.solution >/dev/null 2>&1; rm -f box.figure
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
+  # The box as an STL file, in which its vertices have another order, and a figure as STL and PLY.
+  awk '/^v/ { v[++n] = "vertex " $2 " " $3 " " $4 } /^f/ { face($2, $3, $4); face($2, $4, $5) } END { print "endsolid" }
+    function face(a, b, c) { print "facet normal 0 0 0 outer loop\n" v[a] "\n" v[b] "\n" v[c] "\nendloop endfacet" }' box.obj |
+    sed '1isolid box' >box.stl
+  printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0.25 0.25 0.5\nvertex 0.75 0.25 0.5\nvertex 0.5 0.75 0.5\nendloop\nendfacet\nendsolid\n' >inner.stl
+  printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0.25 0.25 0.25 255 0 0 7\n0.75 0.25 0.5 0 9 0 8\n0.5 0.75 0.5 0 0 1 9\n3 0 1 2\n' >inner.ply
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
   sed '3s/.*/v 0.5 0.8 0.6/' inner.obj >bent_inner.obj
   sed '2s/.*/v 0.7 0.3 0.5/' inner.obj >turned_inner.obj
@@ -203,12 +209,15 @@ form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
 form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
 form deform_mesh inner.obj --cage box.obj --pins space_pins.csv --save-pose pinned.obj -o out.obj
+form deform_mesh inner.ply --cage box.stl --move 0:0.1,0,0 -o out.ply
+form deform_mesh inner.stl --cage box.stl --pose box.stl --save-pose saved.obj -o out.stl
 form deform_mesh solid.mesh --cage box.obj --pose bent_box.obj --no-folds -o out.mesh
 form make_splats inner.obj -o out.ply --count 20
 form deform_splats scene.ply --cage box.obj --pose bent_box.obj --save-pose saved.obj -o out.ply
 form deform_splats scene.ply --cage box.obj --pins space_pins.csv --split 1.1 -o out.ply
 form draw_splats scene.ply -o out.png --beside inner.obj --width 64 --height 40
 form make_box -o out.mesh --cage out_cage.obj
+form make_character -o out.glb
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
 form make_cage hexagon.svg --lattice 3x3 -o out.lattice.json
 form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
@@ -216,12 +225,14 @@ form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
 form clone_figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
+form clone_figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.ply -o out.ply
 form clone_figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
 form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
 form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
 form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
 form make_tiles inner.obj --points 10 -o out.ply
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
+form export_gltf inner.ply --cage box.stl --move 0:0.1,0,0 --bones 2 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --bones 2 -o out.glb --picture picture.png
 form fit_skeleton inner.obj bent_inner.obj turned_inner.obj -o out.glb --bones 2 --picture picture.png
@@ -265,8 +276,38 @@ told=' ' # no file
 form bezier_tables table.csv
 told=
 
+# ---- formats of meshes ----
+mkdir -p formats
+cp pool/inner.ply pool/inner.stl pool/box.stl pool/box.obj formats
+cd formats || exit 1
+: >empty.ply
+sed '$d' inner.ply >cut.ply
+tail -c +2 inner.ply >figure.ply
+cp inner.stl named.obj
+mesh="$programs/deform_mesh"
+for ending in ply stl; do
+  works "a posed figure in .$ending" "$mesh" "inner.$ending" --cage box.stl --move 'all:1,0,0' -o "moved.$ending"
+  works "and moved back" "$mesh" "moved.$ending" --cage box.obj --outside extend --move 'all:-1,0,0' -o "back.$ending"
+  [ "$(tr -d 0-9.e- <back.$ending)" = "$(tr -d 0-9.e- <inner.$ending)" ] && ok=yes || ok=no
+  report $ok "all but the numbers is the same in .$ending"
+  refuses "is written as .$ending" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o out.obj
+  works "at rest in .$ending" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o "rest.$ending"
+  cmp inner.$ending rest.$ending >log 2>&1 && ok=yes || ok=no
+  report $ok "the same bytes at rest in .$ending"
+  works "a cage for .$ending" "$programs/make_cage" "inner.$ending" --vertices 12 -o cage.obj
+  works "points on .$ending" "$programs/make_tiles" "inner.$ending" --points 10 -o points.ply
+  works "a skeleton for .$ending" "$programs/fit_skeleton" "inner.$ending" "moved.$ending" "inner.$ending" --bones 1 -o fitted.glb
+done
+works "the contents decide" "$mesh" named.obj --cage box.stl --pose box.stl -o named.stl
+refuses 'named.obj is written as .stl' "$mesh" named.obj --cage box.stl --pose box.stl -o out.obj
+refuses 'empty.ply: is empty' "$mesh" empty.ply --cage box.stl --pose box.stl -o out.ply
+refuses 'cut.ply: is cut off in face 0' "$mesh" cut.ply --cage box.stl --pose box.stl -o out.ply
+refuses 'figure.ply: is no PLY file' "$mesh" figure.ply --cage box.stl --pose box.stl -o out.ply
+refuses 'differs: the pose inner.stl' "$mesh" inner.ply --cage inner.ply --pose inner.stl -o out.ply
+cd ..
+
 # ---- none is forgotten ----
-without_inputs="make_character make_hand hand_sheet sibson_figures"
+without_inputs="make_hand hand_sheet sibson_figures"
 # Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area"

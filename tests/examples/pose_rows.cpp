@@ -158,8 +158,8 @@ void check_formats(std::mt19937& random) {
         for (auto& corner : triangle) corner = std::uint32_t(random() % points.size());
     }
     const auto contents = [&](PosedFormat format) {
-        return PosedFile(format, D, sizeof(T), points.size(), triangles)
-            .contents(std::span<const Vec<T, D>>(points));
+        return *PosedFile(format, D, sizeof(T), points.size(), triangles)
+                    .contents(std::span<const Vec<T, D>>(points));
     };
     const auto same = [](T a, T b) { return std::memcmp(&a, &b, sizeof(T)) == 0; };
 
@@ -292,8 +292,8 @@ TEST_CASE("a mesh at rest is written as its own file, also in single precision",
     std::vector<Vec<float, 3>> points;
     for (const Point3& p : mesh->vertices) points.push_back(cageform::to_vec<float>(p));
     const std::span<const Vec<float, 3>> rest(points);
-    CHECK(PosedFile(PosedFormat::obj, 4, *mesh).contents(rest) == text);
-    const std::string ply = PosedFile(PosedFormat::ply_text, 4, *mesh).contents(rest);
+    CHECK(*PosedFile(PosedFormat::mesh, 4, *mesh).contents(rest) == text);
+    const std::string ply = *PosedFile(PosedFormat::ply_text, 4, *mesh).contents(rest);
     CHECK(after(ply, "element face 2\nproperty list uchar uint vertex_indices\nend_header\n") ==
           "0.1 0.2 -0.3\n1.1 0 0\n0.7 0.001 5\n3 3 0.3333333\n4 0 1 2 3\n3 2 1 0\n");
 
@@ -307,7 +307,7 @@ TEST_CASE("a mesh at rest is written as its own file, also in single precision",
     REQUIRE(large);
     const std::vector<Vec<float, 3>> many(300);
     const std::string bytes =
-        PosedFile(PosedFormat::ply, 4, *large).contents(std::span<const Vec<float, 3>>(many));
+        *PosedFile(PosedFormat::ply, 4, *large).contents(std::span<const Vec<float, 3>>(many));
     const std::string_view body = after(bytes, "property list uint uint vertex_indices\nend_header\n");
     REQUIRE(body.size() == 300 * 12 + 4 + 300 * 4);
     CHECK(number_at<std::uint32_t>(body, 3600) == 300);

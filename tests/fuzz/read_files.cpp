@@ -2,20 +2,23 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{cli/{bind_report,guard,mesh_cage,mesh_folds,pins,pose_operations},files/{atomic_file,cage_file,clip_file,csv,curved_cage,input_file,lattice_file,marker_file,medit_file,obj_file,obj_parts},pictures/render,svg/*}.cpp
+//             examples/support/{cli/{clip_motion,mesh_cage,mesh_folds,pins,pose_operations},files/{bind_report,cage_file,clip_file,curved_cage,gltf_file,lattice_file,marker_file,medit_file,mesh_file,moved_normals,obj_file,obj_parts,ply_file,ply_mesh,site_file,stl_file},io/*,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, lottie, markers, medit, obj, pins, poses. SVG has a driver of its own.
+// Readers: cage (CSV), clip, css, gltf, lottie, markers, medit, obj, pins, ply, poses, stl. SVG has a driver of its own.
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_folds.hpp"
 #include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/gltf_file.hpp"
+#include "files/gltf_scene.hpp"
 #include "files/lottie_file.hpp"
 #include "files/marker_file.hpp"
 #include "files/medit_file.hpp"
+#include "files/ply_mesh.hpp"
+#include "files/stl_file.hpp"
 
 #include <cageform/exchange/css.hpp>
 
@@ -127,6 +130,73 @@ void read_poses(const std::string& text) {
     (void)gltf_track(*clip, values, 3);
 }
 
+/// Checks the parts that glTF files get, and their triangles.
+void check_parts(const MeshFile& file) {
+    if (single_precision_fault(file)) return;
+    const ObjParts parts = read_parts(file);
+    const auto meshes = gltf_meshes(file, parts);
+    if (!taken(meshes)) return;
+    std::vector<std::size_t> written(parts.materials.size()), read(written); // triangles of a material
+    for (const std::uint32_t face : file.triangle_faces) ++read[parts.face_materials[face]];
+    for (const auto& mesh : *meshes) {
+        const auto places = gltf_positions(mesh, file.vertices);
+        REQUIRE(gltf_normals(mesh, file, {file.vertices}).size() == places.size());
+        for (const auto& part : mesh.parts) {
+            written.at(part.material) += part.indices.size() / 3;
+            for (const auto& index : part.indices) REQUIRE(index[0] < mesh.corners.size());
+        }
+    }
+    REQUIRE(written == read);
+}
+
+/// Checks the document of a mesh: at rest and with faces reversed twice it has the bytes of the file; written
+/// with moved vertices, it is read with these, up to single precision.
+void check_document(const MeshFile& file, const std::string& bytes,
+                    Expected<MeshFile> (*parse)(std::string bytes)) {
+    const auto same = file.document->moved(file, {file.vertices}, "same");
+    REQUIRE(taken(same) && same->files.size() == 1 && same->files.front().bytes == bytes);
+    for (const auto& triangle : file.triangles) {
+        for (const std::uint32_t i : triangle) REQUIRE(i < file.vertices.size());
+    }
+    if (fault_of_reversing(file).empty()) {
+        const MeshFile turned = with_faces_reversed(file);
+        const auto again = turned.document->moved(turned, {file.vertices}, "turned");
+        REQUIRE(taken(again) && taken(parse(again->files.front().bytes)));
+    }
+    auto moved = file.vertices;
+    for (Point3& p : moved) p = {p[1], -p[2], 0.5 * p[0]};
+    const std::vector<Jacobian3> jacobians(moved.size(), {Point3{0, 0, 0.5}, {1, 0, 0}, {0, -1, 0}});
+    const auto written = file.document->moved(file, {moved, jacobians}, "moved");
+    if (!taken(written)) return;
+    const auto again = parse(written->files.front().bytes);
+    REQUIRE(taken(again) && again->faces.size() == file.faces.size());
+    const auto check = [&](const Point3& is, const Point3& wanted) {
+        for (std::size_t k = 0; k < 3; ++k) REQUIRE(is[k] == wanted[k] || is[k] == double(float(wanted[k])));
+    };
+    for (std::size_t f = 0; f < file.faces.size(); ++f) {
+        for (std::size_t n = 0; n < file.faces[f].corners.size(); ++n)
+            check(again->vertices[again->faces[f].corners[n].vertex], moved[file.faces[f].corners[n].vertex]);
+    }
+    if (file.faces.empty()) {
+        REQUIRE(again->vertices.size() == moved.size());
+        for (std::size_t i = 0; i < moved.size(); ++i) check(again->vertices[i], moved[i]);
+    }
+    check_parts(file);
+}
+
+void read_ply(const std::string& text) {
+    const auto parse = [](std::string bytes) { return parse_ply(std::move(bytes), "file.ply"); };
+    const auto file = parse(text);
+    if (taken(file)) check_document(*file, text, parse);
+    (void)taken(parse_ply(text, "file.ply", StrayVertices::leave_out));
+}
+
+void read_stl(const std::string& text) {
+    const auto parse = [](std::string bytes) { return parse_stl(std::move(bytes), "file.stl"); };
+    const auto file = parse(text);
+    if (taken(file)) check_document(*file, text, parse);
+}
+
 void read_obj(const std::string& text) {
     const auto file = parse_obj(text, "file.obj");
     if (!taken(file)) return;
@@ -138,21 +208,37 @@ void read_obj(const std::string& text) {
     auto moved = file->vertices;
     for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
     REQUIRE(taken(parse_obj(to_text(*file, moved), "again.obj")));
-    if (single_precision_fault(*file)) return;
-    const ObjParts parts = read_parts(*file);
-    const auto meshes = gltf_meshes(*file, parts);
-    if (!taken(meshes)) return;
-    std::vector<std::size_t> written(parts.materials.size()), read(written); // triangles of a material
-    for (const std::uint32_t face : file->triangle_faces) ++read[parts.face_materials[face]];
-    for (const auto& mesh : *meshes) {
-        const auto places = gltf_positions(mesh, file->vertices);
-        REQUIRE(gltf_normals(mesh, *file, {file->vertices}).size() == places.size());
-        for (const auto& part : mesh.parts) {
-            written.at(part.material) += part.indices.size() / 3;
-            for (const auto& index : part.indices) REQUIRE(index[0] < mesh.corners.size());
-        }
+    check_parts(*file);
+}
+
+/// Reads a mesh, and reads it again with moved vertices.
+void read_document(Expected<MeshFile> (*parse)(std::string, const std::string&), const std::string& bytes,
+                   const std::string& name) {
+    const auto mesh = parse(bytes, name);
+    if (!taken(mesh)) return;
+    for (const auto& triangle : mesh->triangles) {
+        for (const std::uint32_t i : triangle) REQUIRE(i < mesh->vertices.size());
     }
-    REQUIRE(written == read);
+    std::vector<Point3> moved = mesh->vertices, guides = mesh->guides;
+    const Jacobian3 jacobian{{{0, 0, 2}, {1, 0, 0}, {0, -1, 0}}};
+    const auto move = [&](const Point3& p) {
+        return p[0] * jacobian[0] + p[1] * jacobian[1] + p[2] * jacobian[2];
+    };
+    std::transform(moved.begin(), moved.end(), moved.begin(), move);
+    std::transform(guides.begin(), guides.end(), guides.begin(), move);
+    const std::vector<Jacobian3> jacobians(moved.size(), jacobian);
+    for (const bool drops_skins : {false, true}) {
+        const auto written = mesh->document->moved(*mesh, {moved, jacobians, guides, drops_skins}, name);
+        if (!taken(written)) continue; // numbers beyond single precision, or a singular transform
+        const auto again = parse(written->files[0].bytes, name);
+        if (!taken(again)) continue;
+        REQUIRE(again->vertices.size() == moved.size());
+    }
+    (void)mesh->document->with_faces_reversed();
+}
+
+void read_gltf(const std::string& text) {
+    read_document(parse_gltf, text, text.starts_with("glTF") ? "file.glb" : "file.gltf");
 }
 
 void read_medit(const std::string& text) {
@@ -195,6 +281,13 @@ void read_css(const std::string& text) {
     REQUIRE(again.status() == cageform::Status::ok && again.value.points == easing.value.points);
 }
 
+/// Bytes of single-precision numbers, little-endian.
+std::string floats(std::initializer_list<float> numbers) {
+    std::string bytes;
+    for (const float x : numbers) bytes.append(reinterpret_cast<const char*>(&x), sizeof x);
+    return bytes;
+}
+
 struct Reader {
     void (*read)(const std::string&);
     std::vector<std::string> seeds;
@@ -228,6 +321,18 @@ const std::map<std::string, Reader>& readers() {
           {"length,2\npose,0\n0,0,0\n1,0,0\n0,1,0\n0,0,1\npose,1,ease\n0,0,1\n1,0,1\n0,1,1\n0,0,2\n",
            "# a\nlength,3e38\npose,0,linear\n3e38,0,0\n1e-45,0,0\n0,1e39,0\n0,0,1\npose,1e-40,smooth\n0,0,1\n"
            "1,0,1\n0,1,1\n0,0,2\n"}}},
+        {"gltf",
+         {read_gltf,
+          {R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"skin":)"
+           R"(0},{"translation":[0,1,0],"children":[2]},{"mesh":0,"scale":[-1,2,1]}],"skins":[{"joints":)"
+           R"([1,2]}],"meshes":[{"weights":[0.5],"primitives":[{"attributes":{"POSITION":0,"NORMAL":0},")"
+           R"(targets":[{"POSITION":1}]}]}],"animations":[{"samplers":[{"input":2,"output":1}],"channels)"
+           R"(":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}],"accessors":[{"bufferView":0,)"
+           R"("componentType":5126,"count":3,"type":"VEC3"},{"count":3,"componentType":5126,"type":"VEC3)"
+           R"(","sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferVie)"
+           R"(w":0}}},{"bufferView":0,"componentType":5126,"count":3,"type":"SCALAR"}],"bufferViews":[{")"
+           R"(buffer":0,"byteLength":48}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAA)"
+           R"(AAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]})"}}},
         {"medit",
          {read_medit,
           {"MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 "
@@ -244,6 +349,34 @@ const std::map<std::string, Reader>& readers() {
            "\xef\xbb\xbfo a\n#x\nv 1e308 -1e308 \\\n1e-308\nv 1e39 +1 .5\nv 2 2 2\nf 1 2 3 # c\ns "
            "off\nusemtl m\n",
            "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 1 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4 5\nf 1 6 1\n"}}},
+        {"ply",
+         {read_ply,
+          {"ply\nformat ascii 1.0\ncomment a\nelement vertex 4\nproperty float x\nproperty double "
+           "y\nproperty "
+           "float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty "
+           "uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int "
+           "vertex_indices\nelement "
+           "edge 1\nproperty int vertex1\nend_header\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 0 0\r\n1 1e3 .5 1 0 "
+           "0 0 "
+           "0 7\n0 1 0 0 0 1 0 0 0\n3 0 1 2\n4 0 1 2 3\n7\n",
+           "ply\nformat binary_little_endian 1.0\nelement tristrips 1\nproperty list int int "
+           "vertex_index\nelement vertex 3\nproperty float z\nproperty float x\nproperty float "
+           "y\nend_header\n" +
+               std::string("\4\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\xff\xff\xff\xff", 20) +
+               floats({0, 1, 2, 3, -4, 5, 6, 7, 1e-38F}),
+           "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty short "
+           "y\nproperty "
+           "float z\nproperty list uchar uchar k\nelement face 1\nproperty list uchar uchar "
+           "vertex_indices\nend_header\n" +
+               std::string("\0\1\0\2\x3f\x80\0\0\0\0\3\0\2\x3f\x80\0\0\1\7\0\0\0\0\0\0\0\0\0\3\0\1\2", 32)}}},
+        {"stl",
+         {read_stl,
+          {"solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1e0 0 0\n   vertex -0 1 "
+           "0\n  endloop\n endfacet\nendsolid a b\nSOLID\nfacet normal 0 0 0\nouter loop\nvertex 0 0 "
+           "0\nvertex "
+           "0 0 0\nvertex nan 0 1\nendloop\nendfacet\n",
+           std::string(80, 's') + std::string("\2\0\0\0", 4) + floats({0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+               "ab" + floats({0, 0, 0, 0, 0, 0, 1e38F, 0, 0, -0.0F, 1e-40F, 7}) + std::string(2, '\0')}}},
         {"lottie",
          {read_lottie,
           {R"({"layers":[{"nm":"ball","ks":{"r":{"a":1,"k":[{"t":0,"s":[0],"e":[90],"i":{"x":[0.8],"y":[1]},)"

@@ -66,4 +66,5 @@ def main():
     return 0 if good and not faults else 1
 
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# Every kind of file that export_gltf, fit_skeleton and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
-# has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
+# Every kind of file that export_gltf, fit_skeleton and make_hand write is played by a second reader (PLAYBACK) and compared with the clone. Every
+# file, also that of make_character, has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u
 programs=$1
@@ -43,6 +43,13 @@ refuses() { # MESSAGE COMMAND…   exits 1, says MESSAGE, writes neither out.* n
 
 # ---- the character: every kind of file, played ----
 works "the character is made" "$programs/make_character" .
+works "the character of a game" "$programs/make_character" -o player.glb
+says 'player.glb: 28 nodes, 6 meshes, 8 materials, 2 animations, '
+works "the character of a game, again" "$programs/make_character" -o again.glb
+cmp -s player.glb again.glb && report yes same || report no "the same character twice"
+works "the character of a game as text" "$programs/make_character" -o player.gltf
+refuses 'does not end with .glb or .gltf' "$programs/make_character" -o out.obj
+refuses 'missing/out.glb' "$programs/make_character" -o missing/out.glb
 cage="--cage character_cage.obj"
 clip="--clip character_clip.csv"
 works "the first vertices of the character" awk -v n=800 '$1 == "v" && ++v > n { next } $1 == "vn" && ++m > n { next }

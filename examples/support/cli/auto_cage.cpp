@@ -23,7 +23,7 @@ std::string percent(double part) {
 void add_cage(CommandLine& line, std::string& cage, CageFiles files) {
     const bool is_mesh = files == CageFiles::mesh || files == CageFiles::mesh_or_sites;
     std::string help =
-        is_mesh ? "the cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside"
+        is_mesh ? "the cage: a closed mesh, faces counter-clockwise seen from outside"
                 : "the cage: the first closed polygon of an SVG, for curved-green the first closed outline, "
                   "or a CSV "
                   "file of loops, chains and points";

@@ -7,13 +7,64 @@
 #include <cageform/enclose/parts_of_faces.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <sstream>
 
 namespace cageform_support {
 
 std::size_t cage_dimension(const std::string& path) {
-    return is_lattice_path(path) ? value_or_fail(lattice_dimension(path)) : path.ends_with(".obj") ? 3 : 2;
+    if (is_lattice_path(path)) return value_or_fail(lattice_dimension(path));
+    return is_mesh_path(path) ? 3 : 2;
 }
+
+namespace {
+
+/// The vertices of all corners of faces, in the order of the file.
+std::vector<std::uint32_t> corners_of(const MeshFile& file) {
+    std::vector<std::uint32_t> corners;
+    for (const MeshFace& face : file.faces) {
+        for (const MeshCorner& corner : face.corners) corners.push_back(corner.vertex);
+    }
+    return corners;
+}
+
+/// The mesh as OBJ, with one vertex at each place.
+Expected<MeshFile> welded(const MeshFile& file) {
+    WeldedVertices vertices;
+    std::string text;
+    std::map<std::array<double, 3>, std::uint32_t> known;
+    for (Point3 p : joined_places(file)) {
+        for (double& x : p.v) x += 0.0; // -0 is 0
+        const auto [vertex, is_new] = known.insert({{p[0], p[1], p[2]}, std::uint32_t(known.size())});
+        vertices.of_vertices.push_back(vertex->second);
+        if (!is_new) continue;
+        text += 'v';
+        for (const double x : p.v) detail::append_digits(text += ' ', x);
+        text += '\n';
+    }
+    for (const std::uint32_t vertex : corners_of(file))
+        vertices.of_corners.push_back(vertices.of_vertices[vertex]);
+    std::size_t begin = 0;
+    for (const MeshFace& face : file.faces) {
+        std::vector<std::uint32_t> loop;
+        for (const std::uint32_t vertex :
+             std::span(vertices.of_corners).subspan(begin, face.corners.size())) {
+            if (loop.empty() || loop.back() != vertex) loop.push_back(vertex);
+        }
+        begin += face.corners.size();
+        while (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
+        if (loop.size() < 3) continue;
+        text += 'f';
+        for (const std::uint32_t vertex : loop) text += ' ' + std::to_string(std::uint64_t{vertex} + 1);
+        text += '\n';
+    }
+    auto cage = parse_obj(std::move(text), file.name);
+    if (cage) cage->welded = std::move(vertices);
+    return cage;
+}
+
+} // namespace
 
 Expected<MeshFile> load_mesh_cage(const std::string& path) {
     if (is_lattice_path(path)) {
@@ -22,13 +73,53 @@ Expected<MeshFile> load_mesh_cage(const std::string& path) {
         return lattice_mesh(path, std::move(*lattice));
     }
     auto file = load_mesh(path);
+    if (file && file->document != nullptr && !file->faces.empty()) file = welded(*file);
     if (file && file->faces.empty())
         return FileError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
     if (file && !file->folded.empty()) {
-        return FileError{file->name + ": a face cannot be cut into triangles; please split it",
-                         file->faces[file->folded.front()].line};
+        const std::size_t face = file->folded.front();
+        const std::string which = file->welded ? ": a face (" + std::to_string(face + 1) + " of " +
+                                                     std::to_string(file->faces.size()) + ")"
+                                               : ": a face";
+        return FileError{file->name + which + " cannot be cut into triangles; please split it",
+                         file->welded ? 0 : file->faces[face].line};
     }
     return file;
+}
+
+Expected<MeshFile> load_mesh_pose(const std::string& path, const MeshFile& cage) {
+    auto file = load_mesh(path);
+    if (!file) return file;
+    std::string why = pose_difference(cage, *file);
+    if (why.empty()) return file;
+    const auto corners = corners_of(*file);
+    const auto of_cage = cage.welded ? cage.welded->of_corners : corners_of(cage);
+    if ((file->document == nullptr && !cage.welded) || corners.size() != of_cage.size())
+        return FileError{std::move(why)};
+    MeshFile pose = cage;
+    pose.name = file->name;
+    constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::vector<std::uint32_t> source(cage.vertices.size(), none); // vertex of the pose
+    const double apart = 1e-5 * size_of(*file);
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        std::uint32_t& from = source[of_cage[n]];
+        if (from == none) from = corners[n];
+        const Point3 step = file->vertices[corners[n]] - file->vertices[from];
+        if (std::sqrt(dot(step, step)) > apart)
+            return FileError{file->name + ": its vertices " + std::to_string(from) + " and " +
+                             std::to_string(corners[n]) +
+                             " (from 0) are apart, but are one vertex of the cage " + cage.name};
+    }
+    if (cage.welded && cage.welded->of_vertices.size() == file->vertices.size()) { // also vertices of no face
+        for (std::uint32_t i = 0; i < file->vertices.size(); ++i) {
+            std::uint32_t& from = source[cage.welded->of_vertices[i]];
+            if (from == none) from = i;
+        }
+    }
+    for (std::size_t i = 0; i < source.size(); ++i) {
+        if (source[i] != none) pose.vertices[i] = file->vertices[source[i]];
+    }
+    return pose;
 }
 
 MeshFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
@@ -131,8 +222,7 @@ PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>
     PoseClip clip{
         "poses", seconds * double(poses.size() + 1), {{0, PoseInterpolation::smooth, cage.vertices}}};
     for (const std::string& path : poses) {
-        const auto pose = value_or_fail(load_mesh(path));
-        fail_if(pose_difference(cage, pose));
+        const auto pose = value_or_fail(load_mesh_pose(path, cage));
         fail_if(single_precision_fault(pose));
         clip.keys.push_back({seconds * double(clip.keys.size()), PoseInterpolation::smooth, pose.vertices});
     }
@@ -154,9 +244,12 @@ std::string pose_difference(const MeshFile& cage, const MeshFile& pose) {
     const std::size_t shared = std::min(cage.faces.size(), pose.faces.size());
     for (std::size_t f = 0; f < shared; ++f) {
         if (same(cage.faces[f], pose.faces[f])) continue;
-        return "face " + std::to_string(f + 1) + " differs: line " + std::to_string(pose.faces[f].line) +
-               " of the pose " + pose.name + ", line " + std::to_string(cage.faces[f].line) +
-               " of the cage " + cage.name;
+        const auto place = [&](const MeshFile& file, const char* of) {
+            const std::size_t line = file.document == nullptr && !file.welded ? file.faces[f].line : 0;
+            return (line > 0 ? "line " + std::to_string(line) + " of " : std::string()) + of + file.name;
+        };
+        return "face " + std::to_string(f + 1) + " differs: " + place(pose, "the pose ") + ", " +
+               place(cage, "the cage ");
     }
     if (cage.faces.size() != pose.faces.size()) {
         return "face " + std::to_string(shared + 1) + " differs: the pose " +

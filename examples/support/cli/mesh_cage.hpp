@@ -1,6 +1,6 @@
 #pragma once
 
-// Cages in space: OBJ files of closed meshes, and messages about them.
+// Cages in space: files of closed meshes, their poses, and messages about them.
 
 #include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
@@ -20,8 +20,17 @@ namespace cageform_support {
 /// The dimension of a cage file, 2 or 3. Fails if a lattice cannot be read.
 std::size_t cage_dimension(const std::string& path);
 
-/// Reads a cage from an OBJ or lattice file; fails also if a face cannot be triangulated.
+/// Reads a cage from a file of a mesh or lattice. A file that is not OBJ becomes an OBJ mesh: vertices at one
+/// place, by joined_places(), are welded, and faces without three distinct neighbours in a row are dropped.
+/// Fails also if a face cannot be triangulated.
 Expected<MeshFile> load_mesh_cage(const std::string& path);
+
+/// Reads a pose of a cage. It is the same mesh with its vertices moved; other formats than OBJ also as before
+/// welding.
+///
+///   returns   a mesh with the vertices and faces of the cage
+///   fails     also if the pose is not of the cage, or vertices that are one vertex of the cage are apart
+Expected<MeshFile> load_mesh_pose(const std::string& path, const MeshFile& cage);
 
 /// A lattice as an OBJ file: its handles, boundary faces, and interior rows as lines.
 MeshFile lattice_mesh(std::string name, LatticeBox<3> lattice);
@@ -71,7 +80,7 @@ void print_notes(const std::string& name, const cageform::CageReport& report,
 /// "v 1 (0.1, 0.2, 0.3), …": the first three points of a list, with vertex numbers of the file.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
 
-/// A smooth motion from rest through poses (OBJ files) and back, `seconds` per step. Fails if a file cannot
+/// A smooth motion from rest through poses (files) and back, `seconds` per step. Fails if a file cannot
 /// be read, is not a pose of the cage, or exceeds single precision.
 PoseClip clip_through_poses(const MeshFile& cage, const std::vector<std::string>& poses, double seconds);
 

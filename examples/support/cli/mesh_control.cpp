@@ -78,9 +78,7 @@ MeshFile read_pose(const MeshControlChoice& given, const MeshFile& cage,
         return pose;
     };
     if (!given.pose.empty()) {
-        auto pose = value_or_fail(load_mesh(given.pose));
-        fail_if(pose_difference(cage, pose));
-        return put_back(std::move(pose));
+        return put_back(value_or_fail(load_mesh_pose(given.pose, cage)));
     }
     if (!operated && given.pins.is_given()) return cage;
     if (!operated && !CageChoice::of(given.cage).is_auto)

@@ -13,8 +13,7 @@ namespace cageform_support {
 
 void MotionChoice::add_options(CommandLine& line) {
     const CommandOption of_clip = line.add("--clip", clip, "a CSV file of poses, the motion of the cage");
-    line.add("--pose", poses,
-             "OBJ files of poses of the cage; the motion goes from rest through these and back")
+    line.add("--pose", poses, "files of poses of the cage; the motion goes from rest through these and back")
         .excludes(of_clip);
     operations.add_options(line);
     line.add("--seconds", seconds, "the seconds from one pose to the next").range(0.001, 1e5).show_default();

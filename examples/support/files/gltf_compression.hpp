@@ -1,8 +1,10 @@
 #pragma once
 
-// Decodes compressed parts of glTF files: EXT_meshopt_compression by meshoptimizer, KHR_draco_mesh_compression by Draco.
+// Decodes compressed parts of glTF files: EXT_meshopt_compression by meshoptimizer, and
+// KHR_draco_mesh_compression by Draco.
 //
-// Both libraries are optional when the programs are built. Errors are sentences without the file's name and element.
+// Both libraries are optional when the programs are built. Errors are sentences without the names of the file
+// and of its element.
 
 #include "io/expected.hpp"
 
@@ -27,8 +29,8 @@ bool has_meshopt();
 ///   stride   bytes per element, `byteStride` of the extension
 ///   mode     ATTRIBUTES, TRIANGLES or INDICES
 ///   filter   NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL; NONE if the file does not name a filter
-///   returns  count · stride bytes. Fails if the build has no decoder, if a property is outside the extension's
-///            ranges, or if the stream does not hold the elements.
+///   returns  count · stride bytes. Fails if the build has no decoder, if a property is outside the
+///            extension's ranges, or if the stream does not hold the elements.
 Expected<std::string> decode_meshopt(std::string_view source, std::size_t count, std::size_t stride,
                                      const std::string& mode, const std::string& filter);
 

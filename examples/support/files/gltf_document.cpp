@@ -45,9 +45,9 @@ bool is_too_deep(std::string_view text) {
 std::size_t whole(const GltfJson& object, const char* key, std::size_t otherwise, const std::string& user) {
     const auto found = object.find(key);
     if (found == object.end()) return otherwise;
-    if (!found->is_number_unsigned())
-        throw GltfFault(user + ": \"" + key + "\" is not a whole number of 0 or more");
-    return found->get<std::size_t>();
+    const auto number = gltf_index(*found);
+    if (!number) throw GltfFault(user + ": \"" + key + "\" is not a whole number of 0 or more");
+    return *number;
 }
 
 std::size_t whole(const GltfJson& object, const char* key, const std::string& user) {
@@ -622,15 +622,13 @@ Expected<std::vector<WrittenFile>> GltfDocument::files(const std::filesystem::pa
 }
 
 std::vector<WrittenFile> GltfDocument::glb_files(const std::filesystem::path& path) const {
-    const bool keeps_buffers =
-        is_binary_ && !buffers_.empty() && !repacks_ &&
-        std::none_of(buffers_.begin() + 1, buffers_.end(), [](const Buffer& b) { return b.is_changed; }) &&
-        path.parent_path() == std::filesystem::path(path_).parent_path();
     GltfJson whole_json = json;
+    std::vector<WrittenFile> files(1);
     std::string bytes;
-    if (keeps_buffers) {
+    if (is_binary_ && !repacks_ && !buffers_.empty()) {
         bytes = buffers_[0].bytes;
         whole_json["buffers"][0]["byteLength"] = bytes.size();
+        write_buffers(1, path, whole_json, files);
     } else {
         bytes = packed_bytes(whole_json);
     }
@@ -646,7 +644,8 @@ std::vector<WrittenFile> GltfDocument::glb_files(const std::filesystem::path& pa
     std::string file =
         "glTF" + number(2) + number(12 + 8 + head.size() + binary) + number(head.size()) + "JSON" + head;
     if (binary > 0) file.append(number(bytes.size())).append("BIN\0", 4).append(bytes);
-    return {{path, std::move(file)}};
+    files[0] = {path, std::move(file)};
+    return files;
 }
 
 /// Moves the bytes of all buffer views into one buffer. Bytes that no buffer view uses are left out.
@@ -686,34 +685,40 @@ std::string GltfDocument::packed_bytes(GltfJson& whole_json) const {
 std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& path) const {
     GltfJson whole_json = json;
     std::vector<WrittenFile> files(1);
-    const bool is_here = path.parent_path() == std::filesystem::path(path_).parent_path();
-    std::vector<const Buffer*> list;
-    std::string packed;
-    Buffer single;
-    if (repacks_ || (is_binary_ && buffers_.size() > 1)) {
-        single.bytes = packed_bytes(whole_json);
-        list.push_back(&single);
+    if (repacks_) {
+        GltfDocument packed = *this;
+        packed.buffers_ = {{packed_bytes(whole_json), {}, false, true}};
+        packed.write_buffers(0, path, whole_json, files);
     } else {
-        for (const Buffer& buffer : buffers_) list.push_back(&buffer);
+        write_buffers(0, path, whole_json, files);
     }
-    for (std::size_t i = 0; i < list.size() && i < whole_json.value("buffers", GltfJson::array()).size();
-         ++i) {
-        const Buffer& buffer = *list[i];
+    files[0] = {path, json_text(whole_json, 1) + (text_.empty() ? "\n" : "")};
+    return files;
+}
+
+/// Sets the URIs of buffers, and appends their files where these have changed or are in another folder.
+///
+///   first   index of the first buffer that is not in the file itself
+void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
+                                 std::vector<WrittenFile>& files) const {
+    const bool is_here = path.parent_path() == std::filesystem::path(path_).parent_path();
+    for (std::size_t i = first; i < buffers_.size(); ++i) {
+        const Buffer& buffer = buffers_[i];
         GltfJson& own = whole_json["buffers"][i];
-        if (!buffer.uri.empty() && !buffer.is_changed && is_here) continue;
-        own["byteLength"] = std::max<std::size_t>(buffer.bytes.size(), 1);
-        if (buffer.is_data || text_.empty()) {
-            if (buffer.is_changed || text_.empty())
-                own["uri"] = "data:application/octet-stream;base64," + base64(buffer.bytes);
+        const bool is_data = buffer.is_data || text_.empty();
+        if (!buffer.is_changed && (buffer.is_data || (is_here && !buffer.uri.empty()))) continue;
+        if (buffer.is_changed) own["byteLength"] = buffer.bytes.size();
+        if (is_data) {
+            own["uri"] = "data:application/octet-stream;base64," + base64(buffer.bytes);
             continue;
         }
         std::filesystem::path name = path.stem();
         name += (i == 0 ? std::string() : '_' + std::to_string(i)) + ".bin";
+        if (!is_here && !buffer.is_changed && !buffer.uri.empty()) name = percent_decoded(buffer.uri);
+        if (name.has_parent_path()) name = name.filename();
         own["uri"] = percent_encoded(name.string());
         files.push_back({path.parent_path() / name, buffer.bytes});
     }
-    files[0] = {path, json_text(whole_json, 1) + (text_.empty() ? "\n" : "")};
-    return files;
 }
 
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs) {

@@ -35,6 +35,12 @@ struct GltfFault : std::runtime_error {
 /// Index of an object in an array of the document.
 using GltfIndex = std::size_t;
 inline constexpr GltfIndex gltf_none = ~std::size_t{0};
+/// The value of a number that is whole and at least 0; nothing for other values.
+inline std::optional<GltfIndex> gltf_index(const GltfJson& value) {
+    const bool is_index =
+        value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
+    return is_index ? std::optional(value.get<GltfIndex>()) : std::nullopt;
+}
 
 /// The elements of an accessor.
 struct GltfNumbers {
@@ -176,6 +182,8 @@ private:
     std::string json_text(const GltfJson& whole_json, int new_indent) const;
     std::string packed_bytes(GltfJson& whole_json) const;
     std::vector<WrittenFile> glb_files(const std::filesystem::path& path) const;
+    void write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
+                       std::vector<WrittenFile>& files) const;
     std::vector<WrittenFile> gltf_files(const std::filesystem::path& path) const;
 
     static const char* type_of(std::size_t components) {

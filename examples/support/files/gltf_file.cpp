@@ -69,7 +69,9 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const MeshFile& file, const ObjParts
                 const auto at =
                     std::find_if(face.corners.begin(), face.corners.end(),
                                  [&](const MeshCorner& corner) { return corner.vertex == vertex; });
-                const std::uint32_t st = texture->of_face[f][std::size_t(at - face.corners.begin())];
+                const std::uint32_t st = texture->coordinates.empty()
+                                             ? MeshCorner::none
+                                             : texture->of_face[f][std::size_t(at - face.corners.begin())];
                 const GltfMesh::Corner corner{vertex, at->normal, st};
                 const std::uint32_t own = place[vertex];
                 const auto next = std::uint32_t(met[own] ? mesh.corners.size() : own);
@@ -93,45 +95,6 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const MeshFile& file, const ObjParts
         meshes.push_back(std::move(mesh));
     }
     return meshes;
-}
-
-std::vector<Point3> joined_places(const MeshFile& figure) {
-    std::vector<double> edges; // limits the distance if parts differ much in size
-    for (const auto& triangle : figure.triangles) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];
-            if (const double squared = dot(edge, edge); squared > 0) edges.push_back(squared);
-        }
-    }
-    const auto shorter = edges.begin() + std::ptrdiff_t(edges.size() / 20);
-    std::nth_element(edges.begin(), shorter, edges.end());
-    const double most = edges.empty() ? HUGE_VAL : 0.01 * std::sqrt(*shorter);
-    const double apart = std::min(1e-6 * size_of(figure), most);
-    if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
-    std::vector<Point3> places;
-    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes of edge length 2 · apart
-    const auto cube = [&](const Point3& p) {
-        std::array<double, 3> lower;
-        for (std::size_t k = 0; k < 3; ++k)
-            lower[k] = std::floor((p[k] - figure.vertices[0][k]) / (2 * apart));
-        return lower;
-    };
-    for (const Point3& p : figure.vertices) {
-        const Point3* joined = nullptr;
-        for (unsigned corner = 0; corner < 8 && joined == nullptr; ++corner) {
-            const auto side = [&](unsigned k) { return (corner >> k & 1u) != 0 ? apart : -apart; };
-            const auto found = known.find(cube(p + Point3{side(0), side(1), side(2)}));
-            if (found == known.end()) continue;
-            for (const Point3& q : found->second) {
-                if (!(std::sqrt(dot(p - q, p - q)) <= apart)) continue;
-                joined = &q;
-                break;
-            }
-        }
-        places.push_back(joined != nullptr ? *joined : p);
-        if (joined == nullptr) known[cube(p)].push_back(p);
-    }
-    return places;
 }
 
 void make_sums_exact(cageform::SkinWeights& skin) {

@@ -101,11 +101,6 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     return (most + 3) / 4;
 }
 
-/// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
-/// and some files round the copies differently. A vertex near an earlier position gets that position. Near:
-/// within 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
-std::vector<Point3> joined_places(const MeshFile& figure);
-
 /// The skin as shown by players that read only the first set (four joints per vertex) and normalise its
 /// weights.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);

@@ -41,7 +41,9 @@ public:
         , document_(scene.document)
         , worlds_(scene.worlds(scene.rest_pose()))
         , normals_(mesh, moved)
-        , shifts_(scene.nodes.size()) {}
+        , shifts_(scene.nodes.size())
+        , rounding_(16 * std::numeric_limits<double>::epsilon() *
+                    cageform::bounds_of(std::span<const Point3>(mesh.vertices)).magnitude()) {}
 
     MovedFile write(const std::filesystem::path& path) {
         count_uses();
@@ -82,7 +84,8 @@ private:
         std::vector<bool> is_joint(scene_.nodes.size());
         for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
             is_joint[scene_.joints[j]] = true;
-            shifts_[scene_.joints[j]] = moved_.guides[j] - mesh_.guides[j];
+            if (!is_same_place(mesh_.guides[j], moved_.guides[j]))
+                shifts_[scene_.joints[j]] = moved_.guides[j] - mesh_.guides[j];
         }
         std::vector<GltfIndex> open;
         for (GltfIndex n = 0; n < scene_.nodes.size(); ++n) {
@@ -223,7 +226,8 @@ private:
         const std::size_t vertex = run.first + i;
         const bool is_left_out = std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), vertex);
         const Point3 rest = mesh_.vertices[vertex], shift = run.influences > 0 ? Point3{} : shifts_[run.node];
-        const Point3 now = is_left_out ? rest : moved_.places[vertex];
+        const Point3 now =
+            is_left_out || is_same_place(rest, moved_.places[vertex]) ? rest : moved_.places[vertex];
         const Point3 morphs = GltfScene::morphed(run, run.weights, i) - run.places[i];
         Point3 place =
             bakes ? mapped(back, now) : run.places[i] + morphs + back.map_vector(now - rest - shift);
@@ -240,6 +244,12 @@ private:
         result.places.push_back(single(place));
         if (run.normal != gltf_none) move_normal(run, i, map, back, jacobian, result);
         if (run.tangent != gltf_none) move_tangent(i, map, back, jacobian, result);
+    }
+
+    /// Whether positions are equal up to rounding, so that a figure at rest keeps its bytes.
+    bool is_same_place(const Point3& rest, const Point3& now) const {
+        const Point3 step = now - rest;
+        return dot(step, step) <= rounding_ * rounding_;
     }
 
     static Point3 unless_same(const Point3& before, const Point3& after, bool bakes) {
@@ -410,7 +420,7 @@ private:
         const GltfJson& meshes = scene_.document.array("meshes");
         const auto keep = [&](const GltfJson& attributes) {
             for (const auto& [name, index] : attributes.items()) {
-                if (index.is_number_unsigned()) keeps_.insert(index.get<GltfIndex>());
+                if (const auto accessor = gltf_index(index)) keeps_.insert(*accessor);
             }
         };
         for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -492,6 +502,7 @@ private:
     std::vector<Affine3> worlds_;
     MovedNormals normals_;
     std::vector<Point3> shifts_;                                  // #nodes: translation in world space
+    double rounding_;                                             // of positions in world space
     std::vector<double> own_normals_, own_tangents_;              // of the current run
     std::vector<std::array<std::vector<double>, 2>> own_targets_; // NORMAL and TANGENT of its targets
     std::size_t next_end_ = 0;                                    // index of the next guide of a morph target

@@ -4,6 +4,7 @@
 #include "svg/css_colour.hpp"
 
 #include <cmath>
+#include <set>
 #include <tuple>
 
 namespace cageform_support {
@@ -54,17 +55,19 @@ std::string describe(const char* kind, std::size_t index, const GltfJson& object
 GltfIndex index_of(const GltfJson& object, const char* key, const std::string& user) {
     const auto found = object.find(key);
     if (found == object.end()) return gltf_none;
-    if (!found->is_number_unsigned()) throw GltfFault(user + ": \"" + key + "\" is not an index");
-    return found->get<GltfIndex>();
+    const auto index = gltf_index(*found);
+    if (!index) throw GltfFault(user + ": \"" + key + "\" is not an index");
+    return *index;
 }
 
 std::vector<GltfIndex> indices_of(const GltfJson& object, const char* key, const std::string& user) {
     std::vector<GltfIndex> indices;
     if (!object.contains(key)) return indices;
     if (!object[key].is_array()) throw GltfFault(user + ": \"" + key + "\" is not a list");
-    for (const GltfJson& index : object[key]) {
-        if (!index.is_number_unsigned()) throw GltfFault(user + ": \"" + key + "\" is not a list of indices");
-        indices.push_back(index.get<GltfIndex>());
+    for (const GltfJson& value : object[key]) {
+        const auto index = gltf_index(value);
+        if (!index) throw GltfFault(user + ": \"" + key + "\" is not a list of indices");
+        indices.push_back(*index);
     }
     return indices;
 }
@@ -95,6 +98,36 @@ Affine3 affine_of(std::span<const double> m, const std::string& user) {
     for (std::size_t k = 0; k < 3; ++k) a.columns[k] = {m[4 * k], m[4 * k + 1], m[4 * k + 2]};
     a.translation = {m[12], m[13], m[14]};
     return a;
+}
+
+/// The corners of a primitive's triangles, three per triangle (3.7.2.1).
+std::vector<std::uint32_t> corners_of(const GltfDocument& document, const GltfJson& primitive,
+                                      std::size_t vertices, const std::string& name) {
+    const GltfIndex accessor = index_of(primitive, "indices", name);
+    std::vector<std::uint32_t> list;
+    if (accessor != gltf_none) {
+        list = document.indices(accessor, name + ", indices");
+    } else {
+        list.resize(vertices);
+        for (std::size_t i = 0; i < list.size(); ++i) list[i] = std::uint32_t(i);
+    }
+    for (const std::uint32_t index : list) {
+        if (index >= vertices)
+            throw GltfFault(name + ": refers to vertex " + std::to_string(index) + " of " +
+                            std::to_string(vertices));
+    }
+    const GltfIndex given = index_of(primitive, "mode", name), mode = given == gltf_none ? 4 : given;
+    if (mode > 6) throw GltfFault(name + ": there is no mode " + std::to_string(mode));
+    if (mode == 4) list.resize(list.size() / 3 * 3);
+    if (mode == 4) return list;
+    std::vector<std::uint32_t> corners; // none for points and lines
+    for (std::size_t i = 2; mode > 4 && i < list.size(); ++i) {
+        const bool is_fan = mode == 6, is_odd = i % 2 == 1;
+        corners.push_back(is_fan ? list[0] : list[is_odd ? i - 1 : i - 2]);
+        corners.push_back(is_fan ? list[i - 1] : list[is_odd ? i - 2 : i - 1]);
+        corners.push_back(list[i]);
+    }
+    return corners;
 }
 
 class SceneReader {
@@ -346,39 +379,9 @@ private:
         }
     }
 
-    /// The corners of a primitive's triangles, three per triangle (3.7.2.1).
-    std::vector<std::uint32_t> corners_of(const GltfVertices& run, const GltfJson& primitive,
-                                          const std::string& name) const {
-        const GltfIndex accessor = index_of(primitive, "indices", name);
-        std::vector<std::uint32_t> list;
-        if (accessor != gltf_none) {
-            list = document_.indices(accessor, name + ", indices");
-        } else {
-            list.resize(run.count());
-            for (std::size_t i = 0; i < list.size(); ++i) list[i] = std::uint32_t(i);
-        }
-        for (const std::uint32_t index : list) {
-            if (index >= run.count())
-                throw GltfFault(name + ": refers to vertex " + std::to_string(index) + " of " +
-                                std::to_string(run.count()));
-        }
-        const GltfIndex given = index_of(primitive, "mode", name), mode = given == gltf_none ? 4 : given;
-        if (mode > 6) throw GltfFault(name + ": there is no mode " + std::to_string(mode));
-        if (mode == 4) list.resize(list.size() / 3 * 3);
-        if (mode == 4) return list;
-        std::vector<std::uint32_t> corners; // none for points and lines
-        for (std::size_t i = 2; mode > 4 && i < list.size(); ++i) {
-            const bool is_fan = mode == 6, is_odd = i % 2 == 1;
-            corners.push_back(is_fan ? list[0] : list[is_odd ? i - 1 : i - 2]);
-            corners.push_back(is_fan ? list[i - 1] : list[is_odd ? i - 2 : i - 1]);
-            corners.push_back(list[i]);
-        }
-        return corners;
-    }
-
     void add_faces(std::size_t r, const GltfJson& primitive, const std::string& name) {
         const GltfVertices& run = scene_.runs[r];
-        const auto corners = corners_of(run, primitive, name);
+        const auto corners = corners_of(document_, primitive, run.count(), name);
         for (std::size_t n = 0; n < corners.size(); n += 3) {
             if (corners[n] == corners[n + 1] || corners[n + 1] == corners[n + 2] ||
                 corners[n] == corners[n + 2])
@@ -455,6 +458,24 @@ private:
 };
 
 } // namespace
+
+std::shared_ptr<const MeshDocument> GltfScene::with_faces_reversed() const {
+    auto scene = std::make_shared<GltfScene>(*this);
+    std::set<std::pair<GltfIndex, std::size_t>> done;
+    for (const GltfVertices& run : runs) {
+        for (const std::size_t p : run.primitives) {
+            GltfJson& primitive = scene->document.json["meshes"][run.mesh]["primitives"][p];
+            auto corners = corners_of(document, primitive, run.count(), "a primitive");
+            if (corners.empty() || !done.insert({run.mesh, p}).second) continue;
+            std::vector<std::array<std::uint32_t, 1>> indices;
+            for (std::size_t n = 0; n < corners.size(); ++n) // the first corner stays the first
+                indices.push_back({corners[n % 3 == 0 ? n : n % 3 == 1 ? n + 1 : n - 1]});
+            primitive["indices"] = scene->document.add(indices, GltfDocument::Use::indices);
+            primitive.erase("mode"); // strips and fans become triangles
+        }
+    }
+    return scene;
+}
 
 GltfPose GltfScene::rest_pose() const {
     GltfPose pose;

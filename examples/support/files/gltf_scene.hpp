@@ -86,11 +86,14 @@ public:
 
     explicit GltfScene(GltfDocument read)
         : document(std::move(read)) {}
+    GltfScene(const GltfScene& other) = default;
 
     std::string_view format() const override { return "glTF"; }
     std::vector<std::string> extensions() const override { return {".glb", ".gltf"}; }
     Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
                               const std::filesystem::path& path) const override;
+
+    std::shared_ptr<const MeshDocument> with_faces_reversed() const override;
 
     GltfPose rest_pose() const;
     /// The world transforms of all nodes.

@@ -3,7 +3,9 @@
 #include "files/gltf_scene.hpp"
 #include "files/medit_file.hpp"
 #include "files/obj_file.hpp"
+#include "files/ply_mesh.hpp"
 #include "files/site_file.hpp"
+#include "files/stl_file.hpp"
 #include "io/csv.hpp"
 #include "io/input_file.hpp"
 
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 namespace cageform_support {
 
@@ -23,13 +26,7 @@ std::string_view other_format(std::string_view text) {
         return begin.starts_with(word) && begin.size() > word.size() &&
                std::strchr(" \t\r\n", begin[word.size()]) != nullptr;
     };
-    constexpr std::size_t stl_head = 84, stl_triangle = 50; // bytes
-    if (text.size() > stl_head) {
-        std::uint32_t triangles = 0;
-        for (std::size_t k = 4; k > 0; --k)
-            triangles = triangles << 8 | static_cast<unsigned char>(text[stl_head - 5 + k]);
-        if (text.size() == stl_head + std::uint64_t{triangles} * stl_triangle) return "STL";
-    }
+    if (is_binary_stl(text)) return "STL";
     if (begins_with_word("solid") || begins_with_word("SOLID")) return "STL";
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
@@ -163,6 +160,13 @@ std::string triangulate(MeshFile& file) {
     return {};
 }
 
+/// Whether the first word of a text is that of a .mesh file.
+bool is_medit(std::string_view text) {
+    std::vector<std::string_view> words;
+    std::size_t line = 0;
+    return ObjScanner(text).next(words, line) && words[0] == medit_keyword;
+}
+
 } // namespace detail
 
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays) {
@@ -170,11 +174,14 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
-    if (detail::other_format(*bytes) == "glTF") return parse_gltf(std::move(*bytes), name);
-    std::vector<std::string_view> words; // of the first line
-    std::size_t line = 0;
-    const bool is_medit = detail::ObjScanner(*bytes).next(words, line) && words[0] == medit_keyword;
-    if (is_medit || lowercase_extension(path) == ".mesh") return parse_medit(std::move(*bytes), name, strays);
+    std::string_view format = detail::other_format(*bytes);
+    const std::string extension = lowercase_extension(path);
+    if (format.empty() && extension == ".ply") format = "PLY";
+    if (format.empty() && extension == ".stl") format = "STL";
+    if (format == "glTF") return parse_gltf(std::move(*bytes), name);
+    if (format == "PLY") return parse_ply(std::move(*bytes), name, strays);
+    if (format == "STL") return parse_stl(std::move(*bytes), name);
+    if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
     return parse_obj(std::move(*bytes), name, strays);
 }
 
@@ -187,19 +194,21 @@ Expected<SiteFile<3>> detail::read_site_vertices(const std::string& path) {
     return sites;
 }
 
+std::vector<std::string> extensions_of(const MeshFile& mesh) {
+    if (mesh.document != nullptr) return mesh.document->extensions();
+    return {detail::is_medit(mesh.text) ? ".mesh" : ".obj"};
+}
+
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
-    const std::string given = lowercase_extension(out);
-    std::vector<std::string> own{mesh.tetrahedra.empty() ? ".obj" : ".mesh"};
-    if (mesh.document != nullptr) own = mesh.document->extensions();
-    if (lowercase_extension(mesh.name) == ".mesh" && mesh.document == nullptr) own = {".mesh"};
-    if (std::find(own.begin(), own.end(), given) != own.end()) return {};
+    const auto own = extensions_of(mesh);
+    if (std::find(own.begin(), own.end(), lowercase_extension(out)) != own.end()) return {};
     return "-o " + out + ": the figure " + mesh.name + " is written as " + own[0] +
            (own.size() > 1 ? " or " + own[1] : "");
 }
 
 std::string fault_of_reversing(const MeshFile& mesh) {
-    const bool is_supported =
-        mesh.document == nullptr ? mesh.tetrahedra.empty() : mesh.document->with_faces_reversed() != nullptr;
+    const bool is_supported = mesh.document == nullptr ? !detail::is_medit(mesh.text)
+                                                       : mesh.document->with_faces_reversed() != nullptr;
     return is_supported ? "" : "--flip-faces: " + mesh.name + ": the format is not supported";
 }
 
@@ -278,6 +287,45 @@ Point3 far_origin(const MeshFile& figure) {
     return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
 }
 
+std::vector<Point3> joined_places(const MeshFile& figure) {
+    std::vector<double> edges; // limits the distance if parts differ much in size
+    for (const auto& triangle : figure.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];
+            if (const double squared = dot(edge, edge); squared > 0) edges.push_back(squared);
+        }
+    }
+    const auto shorter = edges.begin() + std::ptrdiff_t(edges.size() / 20);
+    std::nth_element(edges.begin(), shorter, edges.end());
+    const double most = edges.empty() ? HUGE_VAL : 0.01 * std::sqrt(*shorter);
+    const double apart = std::min(1e-6 * size_of(figure), most);
+    if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
+    std::vector<Point3> places;
+    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes of edge length 2 · apart
+    const auto cube = [&](const Point3& p) {
+        std::array<double, 3> lower;
+        for (std::size_t k = 0; k < 3; ++k)
+            lower[k] = std::floor((p[k] - figure.vertices[0][k]) / (2 * apart));
+        return lower;
+    };
+    for (const Point3& p : figure.vertices) {
+        const Point3* joined = nullptr;
+        for (unsigned corner = 0; corner < 8 && joined == nullptr; ++corner) {
+            const auto side = [&](unsigned k) { return (corner >> k & 1u) != 0 ? apart : -apart; };
+            const auto found = known.find(cube(p + Point3{side(0), side(1), side(2)}));
+            if (found == known.end()) continue;
+            for (const Point3& q : found->second) {
+                if (!(std::sqrt(dot(p - q, p - q)) <= apart)) continue;
+                joined = &q;
+                break;
+            }
+        }
+        places.push_back(joined != nullptr ? *joined : p);
+        if (joined == nullptr) known[cube(p)].push_back(p);
+    }
+    return places;
+}
+
 std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places) {
     std::vector<Point3> moved(places.begin(), places.end());
     for (Point3& p : moved) p = p - origin;
@@ -293,9 +341,9 @@ std::vector<std::vector<std::uint32_t>> face_loops(const MeshFile& file) {
 }
 
 MeshFile with_faces_reversed(MeshFile file) {
+    if (file.document != nullptr) file.document = file.document->with_faces_reversed();
     file.text =
         detail::with_faces_reversed(file.text); // vertex lines do not move: MeshFile::numbers stay valid
-    if (file.document != nullptr) file.document = file.document->with_faces_reversed();
     for (MeshFace& face : file.faces) std::reverse(face.corners.begin() + 1, face.corners.end());
     for (auto& triangle : file.triangles) std::swap(triangle[1], triangle[2]);
     return file;

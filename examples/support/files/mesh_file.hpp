@@ -8,6 +8,7 @@
 
 #include <cageform/core/vec.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,19 +26,23 @@ using Point3 = cageform::Vec<double, 3>;
 
 /// Help text on meshes.
 inline constexpr const char* mesh_formats =
-    "Meshes are OBJ files with faces of any number of corners, or Medit .mesh files. The\n"
-    "contents of a file decide its format. The output is the input with moved points and\n"
-    "normals, and everything else as it was.\n"
+    "Meshes are glTF, OBJ, PLY or STL files with faces of any number of corners, or Medit\n"
+    ".mesh files. The contents of a file decide its format. The output is the input with\n"
+    "moved points and normals, and everything else as it was.\n"
     "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
     "normal of its own. glTF files get objects, materials, textures and the colours of\n"
     "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
+    "PLY: binary or ASCII; moved numbers keep their types. A file without faces is a cloud\n"
+    "of points. STL: binary or ASCII; equal corners are one vertex, numbered in the order of\n"
+    "the file, and normals are those of the moved triangles.\n"
     "Numbers have to be finite, except at vertices that no face uses. More than\n"
     "4,294,967,294 vertices are not supported.\n"
     "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
     "faults count from 0.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
     "outside; it can have several shells. A pose is the same mesh with its vertices\n"
-    "moved.\n";
+    "moved. In a cage that is no OBJ file, vertices at one place become one; it is numbered\n"
+    "in the order of the file, and its poses are written as OBJ.\n";
 
 struct MeshCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -60,6 +65,12 @@ struct ObjNumbers {
     std::array<std::size_t, 3> end{};
 };
 
+/// The vertices of a cage that were welded from those of its file.
+struct WeldedVertices {
+    std::vector<std::uint32_t> of_vertices; // #vertices of the file: vertex of the cage
+    std::vector<std::uint32_t> of_corners;  // likewise for all corners of faces, in the order of the file
+};
+
 struct MeshFile;
 struct MovedVertices;
 
@@ -78,7 +89,6 @@ struct MovedFile {
 class MeshDocument {
 public:
     MeshDocument() = default;
-    MeshDocument(const MeshDocument&) = delete;
     MeshDocument& operator=(const MeshDocument&) = delete;
     virtual ~MeshDocument() = default;
 
@@ -94,6 +104,11 @@ public:
                                       const std::filesystem::path& path) const = 0;
     /// The document with the corners of each face reversed; null if the format does not support it.
     virtual std::shared_ptr<const MeshDocument> with_faces_reversed() const { return nullptr; }
+    /// Counts what an OBJ file of vertices, normals, colours and faces would not keep; empty if it keeps all.
+    virtual std::string others() const { return {}; }
+
+protected:
+    MeshDocument(const MeshDocument&) = default;
 };
 
 /// A mesh in world space, and the contents of its file.
@@ -114,6 +129,7 @@ struct MeshFile {
     std::vector<std::size_t> folded;      // faces without a triangulation of consistent orientation
     std::optional<LatticeBox<3>> lattice; // vertices: control points, then frame handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
+    std::optional<WeldedVertices> welded;                 // of a cage whose file is not OBJ
     std::vector<int> face_parts; // #faces: N of the group part_N, else 0; empty if there is no such group
 };
 
@@ -159,10 +175,19 @@ inline std::string part_group(int number) {
 /// The extensions of files that load_mesh() reads and save_mesh() writes.
 inline const std::vector<std::string> mesh_extensions{".obj", ".mesh", ".glb", ".gltf", ".ply", ".stl"};
 
+/// Whether the extension of a file is that of a mesh in space.
+inline bool is_mesh_path(const std::filesystem::path& path) {
+    const std::string extension = lowercase_extension(path);
+    return std::find(mesh_extensions.begin(), mesh_extensions.end(), extension) != mesh_extensions.end();
+}
+
 /// Reads a file; its contents decide the format.
 ///
 ///   fails   if the file cannot be read, or as the parser of its format
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
+
+/// The extensions of the mesh's format, such as ".ply"; the first is the usual one.
+std::vector<std::string> extensions_of(const MeshFile& mesh);
 
 /// The error if the extension of an output is not one of the mesh's format; else empty.
 std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
@@ -204,6 +229,11 @@ std::string rounding_fault(const std::string& name, std::span<const Point3> plac
 /// Positions relative to an origin.
 std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places);
 
+/// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
+/// and some files round the copies differently. A vertex near an earlier position gets that position. Near:
+/// within 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
+std::vector<Point3> joined_places(const MeshFile& figure);
+
 /// The Jacobian of a deformation at a vertex: images of the three axes.
 using Jacobian3 = std::array<Point3, 3>;
 
@@ -219,7 +249,7 @@ struct MovedVertices {
 /// none.
 std::string describe_others(const MeshFile& file, std::initializer_list<std::string_view> keywords);
 
-/// Reverses the corners of each face, also in the text.
+/// Reverses the corners of each face, also in the file's contents.
 MeshFile with_faces_reversed(MeshFile file);
 
 } // namespace cageform_support

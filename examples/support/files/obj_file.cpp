@@ -219,7 +219,10 @@ std::string describe_others(const MeshFile& file, std::initializer_list<std::str
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
         if (std::find(keywords.begin(), keywords.end(), words[0]) == keywords.end()) ++counts[words[0]];
     }
-    std::string text;
+    std::string text = file.document == nullptr ? std::string() : file.document->others();
+    const bool has_normals = std::find(keywords.begin(), keywords.end(), "vn") != keywords.end();
+    if (file.document != nullptr && !file.normals.empty() && !has_normals)
+        text += (text.empty() ? "" : ", ") + std::to_string(file.normals.size()) + " normals";
     for (const auto& [word, count] : counts)
         text += (text.empty() ? "" : ", ") + std::to_string(count) + " of " + detail::quoted(word);
     if (!file.colours.empty())

@@ -250,6 +250,12 @@ public:
             parts_.face_materials.push_back(number_of(material, used_, parts_.materials.size()));
             if (parts_.face_materials.back() == parts_.materials.size()) add_material(material, line);
         }
+        if (file_.text.empty()) { // of another format
+            parts_.objects.push_back(object);
+            parts_.face_objects.resize(file_.faces.size());
+            parts_.face_materials.resize(file_.faces.size());
+            add_material({}, 0);
+        }
         warn_of_unused();
         if (file_.has_bytes_as_colours)
             warn("some colours of vertices are above 1: all are taken as numbers from 0 to 255");

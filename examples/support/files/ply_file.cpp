@@ -1,9 +1,8 @@
 #include "files/ply_file.hpp"
 
-#include "io/csv.hpp"
-
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -15,8 +14,12 @@ namespace {
 constexpr std::size_t longest_ply_line = std::size_t{1} << 24; // bytes
 constexpr std::size_t most_properties = 4096;
 
+bool is_swapped(PlyEncoding encoding) {
+    return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
+}
+
 template <class X>
-double number_at(const char* bytes, bool swapped) {
+double number_as(const char* bytes, bool swapped) {
     std::array<char, sizeof(X)> of_number;
     std::copy_n(bytes, sizeof(X), of_number.begin());
     if (swapped) std::reverse(of_number.begin(), of_number.end());
@@ -37,10 +40,6 @@ auto with_type(PlyType type, const F& f) {
     case PlyType::float64: break;
     }
     return f(double{});
-}
-
-double number_at(const char* bytes, PlyType type, bool swapped) {
-    return with_type(type, [&](auto number) { return number_at<decltype(number)>(bytes, swapped); });
 }
 
 template <class X>
@@ -67,10 +66,6 @@ constexpr std::array<std::array<std::string_view, 2>, 8> type_names{{{"char", "i
                                                                      {"float", "float32"},
                                                                      {"double", "float64"}}};
 
-bool is_swapped(PlyEncoding encoding) {
-    return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
-}
-
 /// Parses a line "property". Returns the error; empty on success.
 std::string parse_property(std::string_view line, const std::vector<std::string_view>& words,
                            std::vector<PlyElement>& elements) {
@@ -88,6 +83,13 @@ std::string parse_property(std::string_view line, const std::vector<std::string_
                " properties";
     element.properties.push_back({std::string(words.back()), *type, count});
     return {};
+}
+
+void append_to(std::vector<double>& numbers, const PlacedNumber& number) {
+    numbers.push_back(number.value);
+}
+void append_to(std::vector<PlacedNumber>& numbers, const PlacedNumber& number) {
+    numbers.push_back(number);
 }
 
 } // namespace
@@ -114,8 +116,54 @@ std::string_view name_of(PlyType type) {
     return type_names[std::size_t(type)][0];
 }
 
+double number_at(std::string_view bytes, std::size_t position, PlyType type, PlyEncoding encoding) {
+    return with_type(type, [&](auto number) {
+        return number_as<decltype(number)>(bytes.data() + position, is_swapped(encoding));
+    });
+}
+
 void append_number(std::string& bytes, PlyType type, double number) {
     with_type(type, [&](auto as) { append_as<decltype(as)>(bytes, number); });
+}
+
+ReplacedNumbers::ReplacedNumbers(std::string_view bytes, PlyEncoding encoding)
+    : bytes_(bytes)
+    , encoding_(encoding) {
+    result_.reserve(bytes.size() + (encoding == PlyEncoding::ascii ? bytes.size() / 2 : 0));
+}
+
+void ReplacedNumbers::keep_to(std::size_t position) {
+    result_.append(bytes_.substr(copied_, position - copied_));
+}
+
+std::string ReplacedNumbers::replace(const PlacedNumber& number, PlyType type, double now) {
+    if (now == number.value) return {};
+    if (type < PlyType::float32)
+        return "has the type " + std::string(name_of(type)) + ", which cannot store its moved value";
+    const bool is_text = encoding_ == PlyEncoding::ascii;
+    if (!std::isfinite(is_text || type == PlyType::float64 ? now : double(float(now))))
+        return "exceeds the range of its type after the move";
+    keep_to(number.begin);
+    copied_ = number.end;
+    if (is_text) {
+        detail::append_digits(result_, now);
+        return {};
+    }
+    append_number(result_, type, now);
+    if (encoding_ == PlyEncoding::big_endian)
+        std::reverse(result_.end() - std::ptrdiff_t(bytes_of(type)), result_.end());
+    return {};
+}
+
+void ReplacedNumbers::replace(const PlacedNumber& number, const PlacedNumber& by) {
+    keep_to(number.begin);
+    result_.append(bytes_.substr(by.begin, by.end - by.begin));
+    copied_ = number.end;
+}
+
+std::string ReplacedNumbers::finish() && {
+    keep_to(bytes_.size());
+    return std::move(result_);
 }
 
 std::size_t bytes_of(PlyType type) {
@@ -181,6 +229,16 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
 PlyReader::PlyReader(const std::string& path)
     : path_(path)
     , file_(path) {
+    start();
+}
+
+PlyReader::PlyReader(std::string_view bytes, std::string name)
+    : path_(std::move(name))
+    , text_(bytes) {
+    start();
+}
+
+void PlyReader::start() {
     (void)read_header();
     std::size_t most = 0;
     for (const PlyElement& element : header_.elements) most = std::max(most, element.properties.size());
@@ -188,40 +246,41 @@ PlyReader::PlyReader(const std::string& path)
 }
 
 bool PlyReader::fail(const std::string& why) {
-    if (error_.empty()) error_ = file_.error().empty() ? path_ + ": " + why : file_.error();
+    if (error_.empty()) error_ = file_ && !file_->error().empty() ? file_->error() : path_ + ": " + why;
     return false;
 }
 
 bool PlyReader::fill(std::size_t bytes) {
-    if (buffer_.size() - at_ >= bytes) return true;
+    if (text_.size() - at_ >= bytes) return true;
+    if (!file_) return false;
     buffer_.erase(0, at_);
     at_ = 0;
-    while (buffer_.size() < bytes) {
-        if (!file_.read(buffer_)) return false;
-    }
-    return true;
+    bool is_more = true;
+    while (is_more && buffer_.size() < bytes) is_more = file_->read(buffer_);
+    text_ = buffer_;
+    return is_more;
 }
 
 std::optional<std::string_view> PlyReader::take_line() {
     std::size_t end = std::string::npos;
     for (std::size_t searched = 0; end == std::string::npos;) {
-        end = buffer_.find('\n', at_ + searched);
+        end = text_.find('\n', at_ + searched);
         if (end != std::string::npos) break;
-        searched = buffer_.size() - at_;
+        searched = text_.size() - at_;
         if (searched > longest_ply_line) return std::nullopt;
         if (fill(searched + 1)) continue;
-        if (searched == 0 || !file_.error().empty()) return std::nullopt;
-        end = buffer_.size(); // the last line has no line break
+        if (searched == 0 || (file_ && !file_->error().empty())) return std::nullopt;
+        end = text_.size(); // the last line has no line break
     }
-    std::string_view line(buffer_.data() + at_, end - at_);
-    at_ = std::min(end + 1, buffer_.size());
+    std::string_view line = text_.substr(at_, end - at_);
+    at_ = std::min(end + 1, text_.size());
     ++line_;
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
 }
 
 bool PlyReader::read_header() {
-    if (!fill(4) || !(buffer_.starts_with("ply\n") || buffer_.starts_with("ply\r")))
+    if (!fill(4) || !(text_.starts_with("ply\n") || text_.starts_with("ply\r")))
         return fail("is no PLY file: it does not begin with \"ply\"");
     (void)take_line();
     while (const auto line = take_line()) {
@@ -240,9 +299,10 @@ std::string PlyReader::place() const {
 /// Whether the file is large enough for all records of an element, if known.
 bool PlyReader::fits(const PlyElement& element) const {
     const auto bytes = element.record_bytes();
-    if (file_.size() == 0 || !bytes || header_.encoding == PlyEncoding::ascii || *bytes == 0) return true;
-    const std::uintmax_t left =
-        file_.size() - std::min(file_.size(), file_.bytes_read()) + buffer_.size() - at_;
+    if (!bytes || header_.encoding == PlyEncoding::ascii || *bytes == 0) return true;
+    std::uintmax_t left = text_.size() - at_;
+    if (file_ && file_->size() == 0) return true; // a pipe
+    if (file_) left += file_->size() - std::min(file_->size(), file_->bytes_read());
     return element.count <= left / *bytes;
 }
 
@@ -279,19 +339,30 @@ bool PlyReader::begin(std::string_view name, const std::vector<std::string>& pro
 }
 
 bool PlyReader::skip(std::uint64_t records) {
+    const bool is_empty = header_.elements[element_].properties.empty();
+    if (is_empty && header_.encoding != PlyEncoding::ascii) return true;
     for (; records > 0; --records) {
-        if (!read_record(nullptr)) return false;
+        if (!read_record<double>(nullptr)) return false;
     }
     return true;
 }
 
 std::optional<std::uint64_t> PlyReader::hash_to_end() {
-    const auto hash = file_.hash_to_end();
+    const auto hash = file_ ? file_->hash_to_end() : std::nullopt;
     if (!hash) (void)fail({});
     return hash;
 }
 
 std::size_t PlyReader::read(std::size_t most, std::vector<double>& numbers) {
+    return read_records(most, numbers);
+}
+
+std::size_t PlyReader::read(std::size_t most, std::vector<PlacedNumber>& numbers) {
+    return read_records(most, numbers);
+}
+
+template <class Number>
+std::size_t PlyReader::read_records(std::size_t most, std::vector<Number>& numbers) {
     if (!error_.empty() || element_ == header_.elements.size()) return 0;
     const PlyElement& element = header_.elements[element_];
     const auto count = std::size_t(std::min<std::uint64_t>(most, element.count - position_));
@@ -304,52 +375,63 @@ std::size_t PlyReader::read(std::size_t most, std::vector<double>& numbers) {
     return count;
 }
 
-bool PlyReader::read_record(std::vector<double>* numbers) {
+template <class Number>
+bool PlyReader::read_record(std::vector<Number>* numbers) {
     const bool read = header_.encoding == PlyEncoding::ascii ? read_line(numbers) : read_binary(numbers);
     position_ += read ? 1 : 0;
     return read;
 }
 
-bool PlyReader::take_number(PlyType type, double& number) {
+bool PlyReader::take_number(PlyType type, PlacedNumber& number) {
     const std::size_t bytes = bytes_of(type);
     if (!fill(bytes)) return fail("is cut off in " + place());
-    number = number_at(buffer_.data() + at_, type, is_swapped(*header_.encoding));
+    number = {number_at(text_, at_, type, *header_.encoding), at_, at_ + bytes};
     at_ += bytes;
     return true;
 }
 
-bool PlyReader::read_binary(std::vector<double>* numbers) {
+/// Appends the selected numbers of the record.
+template <class Number>
+void PlyReader::give(std::vector<Number>* numbers) const {
+    for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k) {
+        for (const PlacedNumber& number : of_record_[chosen_[k]]) append_to(*numbers, number);
+    }
+}
+
+template <class Number>
+bool PlyReader::read_binary(std::vector<Number>* numbers) {
     const auto& properties = header_.elements[element_].properties;
     if (const auto bytes = header_.elements[element_].record_bytes()) {
         if (!fill(*bytes)) return fail("is cut off in " + place());
-        const bool swapped = is_swapped(*header_.encoding);
         for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k) {
-            const char* const from = buffer_.data() + at_ + offsets_[k];
-            numbers->push_back(number_at(from, properties[chosen_[k]].type, swapped));
+            const PlyType type = properties[chosen_[k]].type;
+            const std::size_t from = at_ + offsets_[k];
+            append_to(*numbers,
+                      {number_at(text_, from, type, *header_.encoding), from, from + bytes_of(type)});
         }
         at_ += *bytes;
         return true;
     }
     for (std::size_t p = 0; p < properties.size(); ++p) {
         of_record_[p].clear();
-        double number = 1;
+        PlacedNumber number{1};
         if (properties[p].count) {
             if (!take_number(*properties[p].count, number)) return false;
-            if (number < 0)
+            if (number.value < 0)
                 return fail(place() + ": the list " + properties[p].name + " has a negative length");
             of_record_[p].push_back(number);
         }
-        for (auto n = std::uint64_t(number); n > 0; --n) {
+        for (auto n = std::uint64_t(number.value); n > 0; --n) {
             if (!take_number(properties[p].type, number)) return false;
             of_record_[p].push_back(number);
         }
     }
-    for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k)
-        numbers->insert(numbers->end(), of_record_[chosen_[k]].begin(), of_record_[chosen_[k]].end());
+    give(numbers);
     return true;
 }
 
-bool PlyReader::read_line(std::vector<double>* numbers) {
+template <class Number>
+bool PlyReader::read_line(std::vector<Number>* numbers) {
     std::vector<std::string_view> words;
     while (words.empty()) {
         const auto line = take_line();
@@ -358,31 +440,32 @@ bool PlyReader::read_line(std::vector<double>* numbers) {
     }
     const auto& properties = header_.elements[element_].properties;
     std::size_t next = 0;
-    const auto take = [&](double& number) {
+    const auto take = [&](PlacedNumber& number) {
         if (next == words.size())
             return fail("line " + std::to_string(line_) + ": too few numbers for " + place());
-        const std::string why = detail::parse_number(words[next++], number);
+        number.begin = std::size_t(words[next].data() - text_.data());
+        number.end = number.begin + words[next].size();
+        const std::string why = detail::parse_number(words[next++], number.value);
         return why.empty() || fail("line " + std::to_string(line_) + ": " + why);
     };
     for (std::size_t p = 0; p < properties.size(); ++p) {
         of_record_[p].clear();
-        double number = 1;
+        PlacedNumber number{1};
         if (properties[p].count) {
             if (!take(number)) return false;
-            if (!(number >= 0 && number <= double(words.size())))
+            if (!(number.value >= 0 && number.value <= double(words.size())))
                 return fail("line " + std::to_string(line_) + ": the list " + properties[p].name +
                             " is longer than its line");
             of_record_[p].push_back(number);
         }
-        for (auto n = std::uint64_t(number); n > 0; --n) {
+        for (auto n = std::uint64_t(number.value); n > 0; --n) {
             if (!take(number)) return false;
             of_record_[p].push_back(number);
         }
     }
     if (next != words.size())
         return fail("line " + std::to_string(line_) + ": too many numbers for " + place());
-    for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k)
-        numbers->insert(numbers->end(), of_record_[chosen_[k]].begin(), of_record_[chosen_[k]].end());
+    give(numbers);
     return true;
 }
 

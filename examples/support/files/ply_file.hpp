@@ -2,6 +2,7 @@
 
 // Reads PLY files of any size in blocks of records: ASCII, and binary of both byte orders.
 
+#include "io/csv.hpp"
 #include "io/input_file.hpp"
 
 #include <cstddef>
@@ -30,8 +31,34 @@ std::string_view name_of(PlyType type);
 /// Size of a number in bytes.
 std::size_t bytes_of(PlyType type);
 
+/// The number at a position of a binary file, which has bytes_of(type) bytes there.
+double number_at(std::string_view bytes, std::size_t position, PlyType type, PlyEncoding encoding);
+
 /// Appends a number in little-endian order. Out of range numbers are clamped; NaN becomes 0 in integer types.
 void append_number(std::string& bytes, PlyType type, double number);
+
+/// Copies the bytes of a file, with some numbers replaced. Replacements are in the order of the file.
+class ReplacedNumbers {
+public:
+    /// The bytes must outlive this object.
+    ReplacedNumbers(std::string_view bytes, PlyEncoding encoding);
+
+    /// Replaces a number of a type. A number that is equal keeps its bytes. In ASCII, it gets the fewest digits
+    /// that restore it in double precision. Returns the error if the type cannot store it; else empty.
+    std::string replace(const PlacedNumber& number, PlyType type, double now);
+    /// Replaces the bytes of a number by those of another.
+    void replace(const PlacedNumber& number, const PlacedNumber& by);
+
+    std::string finish() &&; ///< all bytes
+
+private:
+    void keep_to(std::size_t position);
+
+    std::string_view bytes_;
+    PlyEncoding encoding_;
+    std::string result_;
+    std::size_t copied_ = 0;
+};
 
 /// Splits a line at white space.
 std::vector<std::string_view> ply_words(std::string_view line);
@@ -69,11 +96,15 @@ class PlyReader {
 public:
     /// Reads the header; error() is set if the file cannot be read or is not PLY.
     explicit PlyReader(const std::string& path);
+    /// Reads the header of a file in memory, which must outlive this object.
+    ///
+    ///   name   prefix of every message
+    PlyReader(std::string_view bytes, std::string name);
 
     const PlyHeader& header() const { return header_; }
-    const std::string& error() const { return error_; }  ///< the first error; empty if none
-    bool may_retry() const { return file_.may_retry(); } ///< InputFile::may_retry
-    /// InputFile::hash_to_end; nothing can be read after it.
+    const std::string& error() const { return error_; }            ///< the first error; empty if none
+    bool may_retry() const { return file_ && file_->may_retry(); } ///< InputFile::may_retry
+    /// InputFile::hash_to_end of a reader of a path; nothing can be read after it.
     std::optional<std::uint64_t> hash_to_end();
 
     /// Skips to the records of an element and selects the properties that read() returns. Fails if there is
@@ -85,6 +116,8 @@ public:
     /// length and its numbers. Returns the number of records; 0 at the end and after a failure (the file ends
     /// too early, or a word is not a number).
     std::size_t read(std::size_t most, std::vector<double>& numbers);
+    /// As read(), with the position of each number in a file in memory.
+    std::size_t read(std::size_t most, std::vector<PlacedNumber>& numbers);
 
     /// Index of the next record of the element.
     std::uint64_t position() const { return position_; }
@@ -93,26 +126,35 @@ private:
     bool fail(const std::string& why);
     bool fill(std::size_t bytes); // reads until the buffer has `bytes`; false on failure
     std::optional<std::string_view> take_line();
+    void start();
     bool read_header();
     bool skip(std::uint64_t records);
-    bool read_record(std::vector<double>* numbers);
-    bool read_binary(std::vector<double>* numbers);
-    bool read_line(std::vector<double>* numbers);
-    bool take_number(PlyType type, double& number);
+    template <class Number>
+    std::size_t read_records(std::size_t most, std::vector<Number>& numbers);
+    template <class Number>
+    bool read_record(std::vector<Number>* numbers);
+    template <class Number>
+    bool read_binary(std::vector<Number>* numbers);
+    template <class Number>
+    bool read_line(std::vector<Number>* numbers);
+    template <class Number>
+    void give(std::vector<Number>* numbers) const;
+    bool take_number(PlyType type, PlacedNumber& number);
     std::string place() const;
     bool fits(const PlyElement& element) const;
 
     std::string path_, error_;
-    InputFile file_;
+    std::optional<InputFile> file_; // none in memory
     PlyHeader header_;
-    std::string buffer_;
-    std::size_t at_ = 0; // in the buffer
+    std::string buffer_;    // a part of the file
+    std::string_view text_; // the buffer, or all bytes of a file in memory
+    std::size_t at_ = 0;    // in the text
     std::uint64_t line_ = 0;
-    std::size_t element_ = 0;                    // index of the current element
-    std::uint64_t position_ = 0;                 // next record of it
-    std::vector<std::size_t> chosen_;            // selected properties, in the order of the caller
-    std::vector<std::size_t> offsets_;           // of selected properties in a record without lists
-    std::vector<std::vector<double>> of_record_; // by property
+    std::size_t element_ = 0;                          // index of the current element
+    std::uint64_t position_ = 0;                       // next record of it
+    std::vector<std::size_t> chosen_;                  // selected properties, in the order of the caller
+    std::vector<std::size_t> offsets_;                 // of selected properties in a record without lists
+    std::vector<std::vector<PlacedNumber>> of_record_; // by property
 };
 
 /// Converts a file, of which only the header has been read, to binary little-endian; nothing if the reader

@@ -61,7 +61,7 @@ PosedFile::PosedFile(PosedFormat format, std::size_t dimension, std::size_t scal
 
 PosedFile::PosedFile(PosedFormat format, std::size_t scalar_bytes, const MeshFile& mesh)
     : format_(format)
-    , mesh_(format == PosedFormat::obj ? &mesh : nullptr) {
+    , mesh_(format == PosedFormat::mesh ? &mesh : nullptr) {
     if (mesh_ != nullptr) return;
     std::size_t most = 0;
     for (const MeshFace& face : mesh.faces) most = std::max(most, face.corners.size());
@@ -85,7 +85,8 @@ void PosedFile::begin(std::size_t dimension, std::size_t scalar_bytes, std::size
 void PosedFile::add_face(std::span<const std::uint32_t> corners) {
     const auto count = std::uint32_t(corners.size());
     switch (format_) {
-    case PosedFormat::npy: return;
+    case PosedFormat::npy:
+    case PosedFormat::mesh: return;
     case PosedFormat::ply:
         if (many_corners_)
             detail::append_bytes(tail_, count);
@@ -106,13 +107,16 @@ void PosedFile::add_face(std::span<const std::uint32_t> corners) {
 }
 
 template <cageform::Scalar T, std::size_t D>
-std::string PosedFile::contents(std::span<const cageform::Vec<T, D>> points,
-                                std::span<const Jacobian3> jacobians) const {
+Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<T, D>> points,
+                                          std::span<const Jacobian3> jacobians) const {
     if (mesh_ != nullptr) {
         std::vector<Point3> moved(points.size());
         for (std::size_t n = 0; n < D * points.size(); ++n)
             moved[n / D][n % D] = detail::as_written(points[n / D][n % D]);
-        return to_text(*mesh_, {moved, jacobians});
+        if (mesh_->document == nullptr) return to_text(*mesh_, {moved, jacobians});
+        auto written = mesh_->document->moved(*mesh_, {moved, jacobians}, {});
+        if (!written) return written.error();
+        return std::move(written->files.front().bytes);
     }
     const bool as_text = format_ == PosedFormat::obj || format_ == PosedFormat::ply_text;
     const std::size_t axes = format_ == PosedFormat::npy ? D : 3;
@@ -131,16 +135,17 @@ std::string PosedFile::contents(std::span<const cageform::Vec<T, D>> points,
             text += k + 1 < axes ? ' ' : '\n';
         }
     }
-    return text += tail_;
+    text += tail_;
+    return text;
 }
 
-template std::string PosedFile::contents(std::span<const cageform::Vec<float, 2>>,
-                                         std::span<const Jacobian3>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<float, 3>>,
-                                         std::span<const Jacobian3>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<double, 2>>,
-                                         std::span<const Jacobian3>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<double, 3>>,
-                                         std::span<const Jacobian3>) const;
+template Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<float, 2>>,
+                                                   std::span<const Jacobian3>) const;
+template Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<float, 3>>,
+                                                   std::span<const Jacobian3>) const;
+template Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<double, 2>>,
+                                                   std::span<const Jacobian3>) const;
+template Expected<std::string> PosedFile::contents(std::span<const cageform::Vec<double, 3>>,
+                                                   std::span<const Jacobian3>) const;
 
 } // namespace cageform_support

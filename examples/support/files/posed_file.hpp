@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes posed points: OBJ, ASCII and binary PLY, NumPy arrays.
+// Writes posed points: OBJ, ASCII and binary PLY, NumPy arrays, and files of meshes.
 
 #include "files/mesh_file.hpp"
 
@@ -13,11 +13,12 @@
 
 namespace cageform_support {
 
-enum class PosedFormat : std::uint8_t { obj, ply, ply_text, npy };
+enum class PosedFormat : std::uint8_t { obj, ply, ply_text, npy, mesh };
 
 /// Writes poses of a figure. Everything that does not move is formatted once.
 ///
-///   OBJ     the mesh's file with moved vertices and normals (files/obj_file.hpp), or lines `v` and `f`
+///   mesh    the mesh's file with moved vertices and normals
+///   OBJ     lines `v` and `f`
 ///   PLY     x, y, z (0 in the plane) as float or double, and faces as lists of vertices
 ///   NumPy   an array of #points × D, float32 or float64, in C order
 ///
@@ -43,9 +44,10 @@ public:
     ///
     ///   points      number, scalar and dimension as passed to the constructor
     ///   jacobians   of the deformation at the points; if empty, normals rotate with the faces
+    ///   fails       if the format of the mesh cannot store the pose
     template <cageform::Scalar T, std::size_t D>
-    std::string contents(std::span<const cageform::Vec<T, D>> points,
-                         std::span<const Jacobian3> jacobians = {}) const;
+    Expected<std::string> contents(std::span<const cageform::Vec<T, D>> points,
+                                   std::span<const Jacobian3> jacobians = {}) const;
 
 private:
     void begin(std::size_t dimension, std::size_t scalar_bytes, std::size_t points, std::size_t faces,

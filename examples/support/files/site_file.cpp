@@ -1,6 +1,7 @@
 #include "files/site_file.hpp"
 
 #include "files/bind_report.hpp"
+#include "files/mesh_file.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/cage/control_points.hpp>
@@ -48,7 +49,7 @@ template Expected<SiteFile<3>> read_site_csv(const std::string&);
 } // namespace detail
 
 Expected<std::size_t> site_dimension(const std::string& path) {
-    if (!path.ends_with(".csv")) return std::size_t(path.ends_with(".obj") ? 3 : 2);
+    if (!path.ends_with(".csv")) return std::size_t(is_mesh_path(path) ? 3 : 2);
     const auto file = read_text(path);
     if (!file) return file.error();
     detail::RowFilter rows;

@@ -25,6 +25,12 @@ __attribute__((format(printf, 1, 2)))
 std::string
 formatted(const char* format, ...);
 
+/// A number and its position in the bytes of a file.
+struct PlacedNumber {
+    double value = 0;
+    std::size_t begin = 0, end = 0;
+};
+
 namespace detail {
 
 std::string_view trim(std::string_view text);
