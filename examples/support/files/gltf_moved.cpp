@@ -46,6 +46,13 @@ public:
                     cageform::bounds_of(std::span<const Point3>(mesh.vertices)).magnitude()) {}
 
     MovedFile write(const std::filesystem::path& path) {
+        auto files = document().files(path);
+        if (!files) throw GltfFault(files.error().message);
+        return {std::move(*files), notes()};
+    }
+
+    /// Moves the vertices; returns the document.
+    const GltfDocument& document() {
         count_uses();
         if (moved_.drops_skins) drop_skins();
         if (!moved_.drops_skins && !moved_.guides.empty()) move_joints();
@@ -53,9 +60,7 @@ public:
         next_end_ = scene_.joints.size();
         for (const GltfVertices& run : scene_.runs) runs.push_back(moved_run(run));
         store(runs);
-        auto files = document_.files(path);
-        if (!files) throw GltfFault(files.error().message);
-        return {std::move(*files), notes()};
+        return document_;
     }
 
 private:
@@ -99,7 +104,7 @@ private:
             const Point3 of_parent = node.parent == gltf_none ? Point3{} : shifts_[node.parent];
             if (!is_joint[n]) shifts_[n] = of_parent;
             if (shifts_[n] == of_parent) continue;
-            const auto to_parent = node.parent == gltf_none ? identity3 : inverse(worlds_[node.parent]);
+            const auto to_parent = node.parent == gltf_none ? identity_map : inverse(worlds_[node.parent]);
             if (to_parent)
                 move_node(n, to_parent->map_vector(shifts_[n] - of_parent));
             else
@@ -522,6 +527,18 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
         return SceneMover(*this, mesh, moved).write(path);
     } catch (const GltfFault& fault) {
         return FileError{path.string() + ": " + fault.what()};
+    } catch (const GltfJson::exception& fault) {
+        return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
+    }
+}
+
+Expected<MeshFile> without_skins(const MeshFile& mesh) {
+    try {
+        const MovedVertices at_rest{.places = mesh.vertices, .drops_skins = true};
+        return read_scene(SceneMover(static_cast<const GltfScene&>(*mesh.document), mesh, at_rest).document(),
+                          mesh.name);
+    } catch (const GltfFault& fault) {
+        return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
         return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
     }

@@ -200,7 +200,7 @@ private:
             skin.joints = indices_of(json, "joints", name);
             if (skin.joints.empty()) throw GltfFault(name + ": has no joints");
             for (const GltfIndex joint : skin.joints) (void)document_.object("nodes", joint, name);
-            skin.inverse_binds.assign(skin.joints.size(), identity3);
+            skin.inverse_binds.assign(skin.joints.size(), identity_map);
             const GltfIndex matrices = index_of(json, "inverseBindMatrices", name);
             if (matrices == gltf_none) continue;
             const GltfNumbers read = document_.numbers(matrices, {"MAT4"}, name);
