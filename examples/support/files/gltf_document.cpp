@@ -57,9 +57,16 @@ std::size_t whole(const GltfJson& object, const char* key, const std::string& us
 
 std::string name_of(const char* array, std::size_t index) {
     std::string name = array;
-    name.pop_back(); // the plural
-    if (name == "indice") name = "index";
+    name.resize(name.size() - (name == "meshes" ? 2 : 1)); // the plural
     return name + ' ' + std::to_string(index);
+}
+
+/// A text property; empty if it is absent.
+std::string text_of(const GltfJson& object, const char* key, const std::string& user) {
+    const auto found = object.find(key);
+    if (found == object.end()) return {};
+    if (!found->is_string()) throw GltfFault(user + ": \"" + key + "\" is not a text");
+    return found->get<std::string>();
 }
 
 /// Decodes %41 and so on (RFC 3986, section 2.1).
@@ -332,6 +339,11 @@ GltfDocument::Elements GltfDocument::elements(const GltfJson& view_holder, const
     return found;
 }
 
+bool GltfDocument::uses(std::string_view extension) const {
+    const GltfJson& list = array("extensionsUsed");
+    return std::find(list.begin(), list.end(), extension) != list.end();
+}
+
 std::size_t GltfDocument::count(GltfIndex index, const std::string& user) const {
     const std::string name = name_of("accessors", index);
     return whole(object("accessors", index, user), "count", name);
@@ -347,7 +359,7 @@ GltfNumbers GltfDocument::numbers(GltfIndex index, std::initializer_list<std::st
         throw GltfFault(user + ": " + name + " is of the type " + type + ", not " +
                         std::string(*types.begin()));
     const std::size_t total = whole(accessor, "count", name);
-    GltfNumbers read{of.components, {}};
+    GltfNumbers read{of.type, of.components, {}};
     const auto sparse = accessor.find("sparse");
     if (accessor.contains("bufferView")) {
         const Elements own = elements(accessor, of, total, name);
@@ -410,9 +422,10 @@ void GltfDocument::decode_views() {
         if (buffer >= buffers_.size() || begin > buffers_[buffer].bytes.size() ||
             size > buffers_[buffer].bytes.size() - begin)
             throw GltfFault(user + ": its compressed data are not in the file");
+        const std::string filter = text_of(packed, "filter", user);
         const auto decoded = decode_meshopt(std::string_view(buffers_[buffer].bytes).substr(begin, size),
                                             whole(packed, "count", user), whole(packed, "byteStride", user),
-                                            packed.value("mode", ""), packed.value("filter", "NONE"));
+                                            text_of(packed, "mode", user), filter.empty() ? "NONE" : filter);
         if (!decoded) throw GltfFault(user + ": " + decoded.error().message);
         const GltfJson fresh = json["bufferViews"][add_bytes(*decoded)];
         json["bufferViews"].erase(json["bufferViews"].size() - 1);
@@ -431,6 +444,7 @@ void GltfDocument::decode_primitives() {
         (void)object("meshes", m, "the document");
         if (!json["meshes"][m].contains("primitives")) continue;
         GltfJson& primitives = json["meshes"][m]["primitives"];
+        if (!primitives.is_array()) throw GltfFault(name_of("meshes", m) + ": has no list of primitives");
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             GltfJson& primitive = primitives[p];
             if (!primitive.is_object() || !primitive.contains("extensions") ||
@@ -476,10 +490,15 @@ void GltfDocument::decode_primitive(GltfJson& primitive, const std::string& user
         accessor.erase("byteOffset");
     }
     GltfJson& accessor = json["accessors"][index_accessor];
-    std::vector<std::array<std::uint32_t, 1>> indices;
-    for (const std::uint32_t index : decoded->indices) indices.push_back({index});
-    accessor["bufferView"] = add_view(std::span<const std::array<std::uint32_t, 1>>(indices), Use::indices);
-    accessor["componentType"] = component_type<std::uint32_t>();
+    const Layout of_indices = layout(accessor, name_of("accessors", index_accessor));
+    std::string indices;
+    for (const std::uint32_t index : decoded->indices) {
+        if (of_indices.size < 4 && index >> 8 * of_indices.size != 0)
+            throw GltfFault(view_name + ": an index exceeds the componentType of " +
+                            name_of("accessors", index_accessor));
+        indices.append(reinterpret_cast<const char*>(&index), of_indices.size);
+    }
+    accessor["bufferView"] = add_view(indices, of_indices.size, Use::indices);
     accessor.erase("byteOffset");
     primitive["extensions"].erase(extension);
     if (primitive["extensions"].empty()) primitive.erase("extensions");

@@ -44,6 +44,7 @@ inline std::optional<GltfIndex> gltf_index(const GltfJson& value) {
 
 /// The elements of an accessor.
 struct GltfNumbers {
+    int component_type = 0;      ///< as in the file (5.1.3)
     std::size_t components = 0;  ///< per element
     std::vector<double> numbers; ///< #elements · components; normalised integers are in [0, 1] or [-1, 1]
     std::size_t count() const { return components == 0 ? 0 : numbers.size() / components; }
@@ -83,6 +84,8 @@ public:
     /// Number of elements of an accessor.
     std::size_t count(GltfIndex accessor, const std::string& user) const;
 
+    /// Whether "extensionsUsed" names an extension.
+    bool uses(std::string_view extension) const;
     std::size_t file_size() const { return file_size_; } ///< in bytes, without other files
 
     // ---- writing ----
@@ -225,7 +228,8 @@ private:
     std::vector<bool> is_shared_;   // #accessors of the file; empty before the first replace()
 };
 
-/// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as GltfDocument::files().
+/// Adds the files of a document to the outputs. Returns the sum of their bytes; fails as
+/// GltfDocument::files().
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs);
 
 } // namespace cageform_support

@@ -19,8 +19,12 @@ struct MovedRun {
     bool operator==(const MovedRun&) const = default;
 };
 
+double norm(const Point3& v) {
+    return std::sqrt(dot(v, v));
+}
+
 Point3 unit(const Point3& v) {
-    const double length = std::sqrt(dot(v, v));
+    const double length = norm(v);
     return length > 0 && std::isfinite(length) ? (1 / length) * v : v;
 }
 
@@ -30,6 +34,14 @@ std::array<float, 3> single(const Point3& p) {
 
 Point3 mapped_vector(const Jacobian3& jacobian, const Point3& v) {
     return v[0] * jacobian[0] + v[1] * jacobian[1] + v[2] * jacobian[2];
+}
+
+/// J⁻ᵀ v, up to a positive factor.
+Point3 cofactors_times(const Jacobian3& jacobian, const Point3& v) {
+    const auto& [a, b, c] = jacobian;
+    const Point3 across = cross(b, c);
+    const double side = std::copysign(1, dot(a, across));
+    return side * (v[0] * across + v[1] * cross(c, a) + v[2] * cross(a, b));
 }
 
 class SceneMover {
@@ -92,6 +104,7 @@ private:
             if (!is_same_place(mesh_.guides[j], moved_.guides[j]))
                 shifts_[scene_.joints[j]] = moved_.guides[j] - mesh_.guides[j];
         }
+        compare_shifts();
         std::vector<GltfIndex> open;
         for (GltfIndex n = 0; n < scene_.nodes.size(); ++n) {
             if (scene_.nodes[n].parent == gltf_none) open.push_back(n);
@@ -112,6 +125,29 @@ private:
         }
         for (GltfIndex s = 0; s < scene_.skins.size(); ++s) move_binds(s);
         for (GltfIndex a = 0; a < document_.array("animations").size(); ++a) move_keys(a);
+    }
+
+    /// Sets the translation that all joints have in common, if it is their only motion, and the ratio of the
+    /// skeleton's sizes.
+    void compare_shifts() {
+        Point3 middle{}, moved_middle{};
+        const double share = 1 / double(scene_.joints.size());
+        for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+            middle = middle + share * mesh_.guides[j];
+            moved_middle = moved_middle + share * moved_.guides[j];
+        }
+        double before = 0, after = 0;
+        bool is_translation = true;
+        for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+            const Point3 from = mesh_.guides[j] - middle, to = moved_.guides[j] - moved_middle;
+            before += dot(from, from);
+            after += dot(to, to);
+            is_translation = is_translation && norm(to - from) <= rounding_;
+        }
+        if (is_translation)
+            common_shift_ = moved_middle - middle;
+        else if (before > 0 && after > 0)
+            skeleton_scale_ = std::sqrt(after / before);
     }
 
     void move_node(GltfIndex n, const Point3& step) {
@@ -154,11 +190,15 @@ private:
         const bool is_cubic = samplers[sampler].value("interpolation", "LINEAR") == "CUBICSPLINE";
         const GltfIndex output = samplers[sampler]["output"].get<GltfIndex>();
         const GltfNumbers keys = scene_.document.numbers(output, {"VEC3"}, name);
+        const GltfTransform& node = scene_.nodes[channel["target"]["node"].get<GltfIndex>()].rest;
+        const Point3 rest = node.matrix ? node.matrix->translation : node.translation,
+                     moved_rest = rest + step;
         std::vector<std::array<float, 3>> values;
         for (std::size_t i = 0; i < keys.count(); ++i) {
             Point3 key{keys.numbers[3 * i], keys.numbers[3 * i + 1], keys.numbers[3 * i + 2]};
-            if (!is_cubic || i % 3 == 1) key = key + step;
-            values.push_back(single(key));
+            const bool is_value = !is_cubic || i % 3 == 1; // else a tangent
+            values.push_back(
+                single(is_value ? moved_rest + skeleton_scale_ * (key - rest) : skeleton_scale_ * key));
         }
         const GltfIndex index = stored<3>(output, values, GltfDocument::Use::other);
         if (index != output && shares_sampler) {
@@ -176,7 +216,7 @@ private:
             Affine3 bind = skin.inverse_binds[j];
             const auto to_joint = inverse(worlds_[skin.joints[j]]);
             if (const Point3& shift = shifts_[skin.joints[j]]; to_joint && shift != Point3{}) {
-                bind.translation = bind.translation - to_joint->map_vector(shift);
+                bind.translation = bind.translation - to_joint->map_vector(shift - common_shift_);
                 is_moved = true;
             }
             auto& matrix = matrices.emplace_back();
@@ -230,7 +270,8 @@ private:
                      bool bakes, MovedRun& result) {
         const std::size_t vertex = run.first + i;
         const bool is_left_out = std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), vertex);
-        const Point3 rest = mesh_.vertices[vertex], shift = run.influences > 0 ? Point3{} : shifts_[run.node];
+        const Point3 rest = mesh_.vertices[vertex],
+                     shift = run.influences > 0 ? common_shift_ : shifts_[run.node];
         const Point3 now =
             is_left_out || is_same_place(rest, moved_.places[vertex]) ? rest : moved_.places[vertex];
         const Point3 morphs = GltfScene::morphed(run, run.weights, i) - run.places[i];
@@ -271,7 +312,7 @@ private:
         const Point3 linear = mapped_vector(*jacobian, step);
         if (has_end) {
             const Point3 off = linear - exact;
-            target_error_ = std::max(target_error_, std::sqrt(dot(off, off)));
+            target_error_ = std::max(target_error_, norm(off));
         }
         return linear;
     }
@@ -283,25 +324,24 @@ private:
         const Point3& rest = mesh_.normals[vertex];
         const bool bakes = moved_.drops_skins && run.influences > 0;
         const Point3 now = normals_.of_corner(std::uint32_t(vertex), std::uint32_t(vertex));
-        const auto stored = [&](const Point3& world) { // normals map by inverse transposes
-            const auto to_world = inverse(back);
-            return unit(to_world ? transposed_map(*to_world, world) : world);
-        };
-        const Point3 normal = now == rest && !bakes ? own : stored(now);
+        const auto to_world = inverse(back), from_file = inverse(map);
+        if (!to_world || !from_file)
+            throw GltfFault(scene_.nodes[run.node].name + ": its transform at rest is singular");
+        const Point3 normal = now == rest && !bakes ? own : unit(transposed_map(*to_world, now));
         result.normals.push_back(single(normal));
+        // Steps of morph targets map as the normal does, so that all weights give the moved normal.
+        const auto carried = [&](const Point3& v) {
+            const Point3 world = transposed_map(*from_file, v);
+            return transposed_map(*to_world, jacobian == nullptr ? world : cofactors_times(*jacobian, world));
+        };
+        const double length = norm(carried(own));
         for (std::size_t t = 0; t < run.targets.size(); ++t) {
             const auto& steps = own_targets_[t][0];
             if (steps.empty()) continue;
             const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
-            Point3 turned = step;
-            if (step != Point3{} && (jacobian != nullptr || bakes)) {
-                const auto from_map = inverse(map);
-                const Point3 end = from_map ? transposed_map(*from_map, own + step) : own + step;
-                const auto moved = jacobian == nullptr ? std::nullopt : moved_normal(*jacobian, end);
-                const double length = std::sqrt(dot(own + step, own + step));
-                turned = unless_same(step, length * stored(moved.value_or(end)) - normal, bakes);
-            }
-            result.targets[t][1].push_back(single(turned));
+            const bool is_kept = step == Point3{} || !(length > 0);
+            result.targets[t][1].push_back(
+                single(is_kept ? step : unless_same(step, (norm(own) / length) * carried(step), bakes)));
         }
     }
 
@@ -313,6 +353,7 @@ private:
             const Point3 world = map.map_vector(v);
             return back.map_vector(jacobian == nullptr ? world : mapped_vector(*jacobian, world));
         };
+        const double length = norm(carried(own));
         Point3 tangent = unit(carried(own));
         if (jacobian == nullptr && !result.normals.empty()) { // perpendicular to the moved normal
             const auto& n = result.normals.back();
@@ -328,10 +369,9 @@ private:
             const auto& steps = own_targets_[t][1];
             if (steps.empty()) continue;
             const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
-            const Point3 end = own + step;
-            const Point3 turned =
-                step == Point3{} ? step : std::sqrt(dot(end, end)) * unit(carried(end)) - tangent;
-            result.targets[t][2].push_back(single(unless_same(step, turned, false)));
+            const bool is_kept = step == Point3{} || !(length > 0);
+            result.targets[t][2].push_back(
+                single(is_kept ? step : unless_same(step, (norm(own) / length) * carried(step), false)));
         }
     }
 
@@ -364,7 +404,14 @@ private:
             return;
         }
         GltfIndex mesh = run.mesh;
-        if (!variants.empty()) {
+        const bool is_kept = is_outside_.contains(mesh); // for nodes outside the scene
+        if (is_kept && std::all_of(runs.begin() + std::ptrdiff_t(first), runs.begin() + std::ptrdiff_t(end),
+                                   [&](const MovedRun& moved) {
+                                       return is_at_rest(scene_.runs[std::size_t(&moved - runs.data())],
+                                                         moved);
+                                   }))
+            return;
+        if (!variants.empty() || is_kept) {
             mesh = document_.append("meshes", scene_.document.json["meshes"][run.mesh]);
             document_.json["nodes"][run.node]["mesh"] = mesh;
         }
@@ -416,9 +463,26 @@ private:
         }
     }
 
-    /// Counts the primitives outside the runs that use each accessor.
+    /// Whether nothing has moved.
+    bool is_at_rest(const GltfVertices& run, const MovedRun& moved) const {
+        bool is_same = is_unchanged<3>(run.position, moved.places);
+        if (!moved.normals.empty()) is_same = is_same && is_unchanged<3>(run.normal, moved.normals);
+        if (!moved.tangents.empty()) is_same = is_same && is_unchanged<4>(run.tangent, moved.tangents);
+        for (std::size_t t = 0; t < run.targets.size(); ++t) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto& values = moved.targets[t][k];
+                is_same = is_same && (values.empty() || is_unchanged<3>(run.targets[t][k], values));
+            }
+        }
+        return is_same;
+    }
+
+    /// Finds the accessors that primitives outside the runs use, and meshes of nodes outside the scene.
     void count_uses() {
         std::set<std::pair<GltfIndex, std::size_t>> moving;
+        for (const GltfNode& node : scene_.nodes) {
+            if (!node.is_in_scene && node.mesh != gltf_none) is_outside_.insert(node.mesh);
+        }
         for (const GltfVertices& run : scene_.runs) {
             for (const std::size_t p : run.primitives) moving.insert({run.mesh, p});
         }
@@ -431,7 +495,8 @@ private:
         for (std::size_t m = 0; m < meshes.size(); ++m) {
             const GltfJson primitives = meshes[m].value("primitives", GltfJson::array());
             for (std::size_t p = 0; p < primitives.size(); ++p) {
-                if (moving.contains({m, p}) || !primitives[p].is_object()) continue;
+                const bool is_moved = moving.contains({m, p}) && !is_outside_.contains(m);
+                if (is_moved || !primitives[p].is_object()) continue;
                 keep(primitives[p].value("attributes", GltfJson::object()));
                 for (const GltfJson& target : primitives[p].value("targets", GltfJson::array())) keep(target);
             }
@@ -494,7 +559,7 @@ private:
         for (std::size_t i = 0; i < written->vertices.size(); ++i) {
             const Point3 off = written->vertices[i] - moved_.places[i];
             if (!std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), i))
-                distance = std::max(distance, std::sqrt(dot(off, off)));
+                distance = std::max(distance, norm(off));
         }
         add("its skin is kept, and its joints are moved", distance);
         return notes;
@@ -506,8 +571,10 @@ private:
     GltfDocument document_; // the output
     std::vector<Affine3> worlds_;
     MovedNormals normals_;
-    std::vector<Point3> shifts_;                                  // #nodes: translation in world space
-    double rounding_;                                             // of positions in world space
+    std::vector<Point3> shifts_; // #nodes: translation in world space
+    Point3 common_shift_{};      // translation of all joints in world space, if they move in no other way
+    double skeleton_scale_ = 1;  // of distances between joints
+    double rounding_;            // of positions in world space
     std::vector<double> own_normals_, own_tangents_;              // of the current run
     std::vector<std::array<std::vector<double>, 2>> own_targets_; // NORMAL and TANGENT of its targets
     std::size_t next_end_ = 0;                                    // index of the next guide of a morph target
@@ -516,6 +583,7 @@ private:
     std::map<GltfIndex, std::vector<std::pair<std::string, GltfIndex>>>
         stored_;                        // new elements of each accessor
     std::set<GltfIndex> keeps_;         // accessors that primitives outside the scene use
+    std::set<GltfIndex> is_outside_;    // meshes of nodes outside the scene
     std::map<GltfIndex, Point3> steps_; // of translations of nodes, in the space of their parents
 };
 
@@ -526,7 +594,7 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
     try {
         return SceneMover(*this, mesh, moved).write(path);
     } catch (const GltfFault& fault) {
-        return FileError{path.string() + ": " + fault.what()};
+        return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
         return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <tuple>
+#include <utility>
 
 namespace cageform_support {
 
@@ -167,6 +168,8 @@ private:
                 node.rest.matrix = affine_of(matrix, node.name);
             read_numbers(json, "translation", node.rest.translation.v, node.name);
             read_numbers(json, "rotation", node.rest.rotation, node.name);
+            if (node.rest.rotation == std::array<double, 4>{})
+                throw GltfFault(node.name + ": \"rotation\" is zero");
             read_numbers(json, "scale", node.rest.scale.v, node.name);
         }
         for (GltfIndex n = 0; n < list.size(); ++n) {
@@ -229,7 +232,8 @@ private:
             const GltfIndex n = open.back();
             open.pop_back();
             (void)document_.object("nodes", n, "the scene");
-            scene_.nodes[n].is_in_scene = true;
+            if (std::exchange(scene_.nodes[n].is_in_scene, true))
+                throw GltfFault(scene_.nodes[n].name + " is in the scene twice");
             open.insert(open.end(), scene_.nodes[n].children.begin(), scene_.nodes[n].children.end());
         }
     }
@@ -259,7 +263,8 @@ private:
         run.position = index_of(attributes, "POSITION", name);
         run.normal = index_of(attributes, "NORMAL", name);
         run.tangent = index_of(attributes, "TANGENT", name);
-        if (primitive.contains("targets") && primitive["targets"].is_array()) {
+        if (primitive.contains("targets")) {
+            if (!primitive["targets"].is_array()) throw GltfFault(name + ": \"targets\" is not a list");
             for (const GltfJson& target : primitive["targets"]) {
                 if (!target.is_object()) throw GltfFault(name + ": a target is not an object");
                 run.targets.push_back({index_of(target, "POSITION", name), index_of(target, "NORMAL", name),
@@ -280,6 +285,9 @@ private:
     std::vector<Point3> read_points(GltfIndex accessor, std::size_t count, const std::string& user,
                                     std::string_view type = "VEC3") const {
         const GltfNumbers read = document_.numbers(accessor, {type}, user);
+        const bool is_quantised = read.component_type >= 5120 && read.component_type <= 5123;
+        if (read.component_type != 5126 && !(is_quantised && document_.uses("KHR_mesh_quantization")))
+            throw GltfFault(user + ": accessor " + std::to_string(accessor) + " does not hold floats");
         if (count != gltf_none && read.count() != count)
             throw GltfFault(user + " has " + std::to_string(read.count()) + " elements, POSITION has " +
                             std::to_string(count));
@@ -341,7 +349,10 @@ private:
                  {std::pair("JOINTS_" + number, &joints), {"WEIGHTS_" + number, &weights}}) {
                 const GltfIndex accessor = index_of(attributes, key.c_str(), name);
                 if (accessor == gltf_none) throw GltfFault(name + ": " + key + " is missing");
-                list->push_back(document_.numbers(accessor, {"VEC4"}, name + ", " + key).numbers);
+                GltfNumbers read = document_.numbers(accessor, {"VEC4"}, name + ", " + key);
+                if (list == &joints && read.component_type != 5121 && read.component_type != 5123)
+                    throw GltfFault(name + ": " + key + " does not hold integers of 8 or 16 bits");
+                list->push_back(std::move(read.numbers));
                 if (list->back().size() != 4 * count)
                     throw GltfFault(name + ": " + key + " and POSITION have different counts");
             }

@@ -29,6 +29,12 @@ inline constexpr const char* mesh_formats =
     "Meshes are glTF, OBJ, PLY or STL files with faces of any number of corners, or Medit\n"
     ".mesh files. The contents of a file decide its format. The output is the input with\n"
     "moved points and normals, and everything else as it was.\n"
+    "glTF: the triangles, lines and points of the default scene, in world space. Nodes,\n"
+    "materials, images, extensions and animations stay. A mesh that two nodes use is\n"
+    "divided only if its copies differ in the pose. Skins are kept: joints move with the\n"
+    "cage, and animations play; --drop-skin writes the pose without skins. Morph targets\n"
+    "move by the Jacobian of the deformation. Quantised and sparse numbers become floats,\n"
+    "and Draco and meshopt data become plain.\n"
     "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
     "normal of its own. glTF files get objects, materials, textures and the colours of\n"
     "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
@@ -155,8 +161,8 @@ inline constexpr const char* vertex_not_finite = "the coordinates of a vertex ar
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Sets the triangles of the faces, by tinyobjloader. The faces must be valid, since tinyobjloader does not check
-/// them. Returns the error; empty on success.
+/// Sets the triangles of the faces, by tinyobjloader. The faces must be valid, since tinyobjloader does not
+/// check them. Returns the error; empty on success.
 std::string triangulate(MeshFile& file);
 
 /// The format of a file that is not OBJ, by its first bytes; empty if unknown.

@@ -43,8 +43,9 @@ public:
     /// The bytes must outlive this object.
     ReplacedNumbers(std::string_view bytes, PlyEncoding encoding);
 
-    /// Replaces a number of a type. A number that is equal keeps its bytes. In ASCII, it gets the fewest digits
-    /// that restore it in double precision. Returns the error if the type cannot store it; else empty.
+    /// Replaces a number of a type. A number that is equal keeps its bytes. In ASCII, it gets the fewest
+    /// digits that restore it in double precision. Returns the error if the type cannot store it; else
+    /// empty.
     std::string replace(const PlacedNumber& number, PlyType type, double now);
     /// Replaces the bytes of a number by those of another.
     void replace(const PlacedNumber& number, const PlacedNumber& by);

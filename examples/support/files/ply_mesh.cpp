@@ -271,8 +271,8 @@ private:
         }
     }
 
-    /// Checks indices, sets the normals of corners and the vertices that faces use. Returns the error; empty on
-    /// success.
+    /// Checks indices, sets the normals of corners and the vertices that faces use. Returns the error;
+    /// empty on success.
     std::string check_faces(std::vector<bool>& used) {
         const std::size_t count = file_.vertices.size();
         for (std::size_t f = 0; f < file_.faces.size(); ++f) {

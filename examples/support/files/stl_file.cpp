@@ -264,9 +264,14 @@ Expected<MeshFile> parse_stl(std::string bytes, std::string name) {
     auto document = std::make_shared<StlDocument>(std::move(bytes));
     StlReader reader(document->bytes(), file.name);
     std::unordered_map<Point3, std::uint32_t, PlaceHash> known;
+    const std::size_t expected =
+        document->bytes().size() / (is_binary_stl(document->bytes()) ? stl_triangle : 200);
+    file.faces.reserve(expected);
+    known.reserve(expected / 2); // a closed mesh has half as many vertices as triangles
     for (StlFacet facet; reader.next(facet);) {
         MeshFace& face = file.faces.emplace_back();
         face.line = facet.line;
+        face.corners.reserve(3);
         for (std::size_t n = 0; n < 3; ++n) {
             const Point3 place = facet.place(n);
             const auto [vertex, is_new] = known.insert({place, std::uint32_t(file.vertices.size())});
