@@ -23,7 +23,6 @@
 #include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
 #include "files/figure_parts.hpp"
-#include "files/gltf_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"

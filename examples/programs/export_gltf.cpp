@@ -1,4 +1,4 @@
-// Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers without cages.
+// Writes a figure that moves with its cage as glTF 2.0, for engines and viewers without cages.
 //
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --bones auto -o head.glb
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --skin 16 -o head.glb
@@ -19,8 +19,9 @@
 //
 // The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through the given poses
 // (files, or operations such as --twist) and back. --skin and --morph write it with CUBICSPLINE
-// interpolation, without loss. Each object of the OBJ file is a node, each of its materials a primitive with
-// colours and texture of the MTL file.
+// interpolation, without loss. The document of a .glb or .gltf file is kept: its nodes, materials, animations
+// and morph targets. A new skin replaces an old one. Each object of an OBJ file is a node, each of its
+// materials a primitive with colours and texture of the MTL file.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -49,7 +50,6 @@ using namespace cageform_support;
 using cageform::Binding;
 using cageform::SkinWeights;
 using cageform::Status;
-using Use = GltfDocument::Use;
 using BoundAxes = std::array<Binding<double, 3>, 3>;
 
 struct Arguments {
@@ -69,10 +69,8 @@ struct Arguments {
 /// The input.
 struct Scene {
     MeshFile figure, cage;
-    Point3 origin;   // of the positions in the file
-    MeshFile stored; // the figure, relative to the origin
-    ObjParts parts;  // of the figure
-    std::vector<GltfMesh> meshes;
+    Point3 origin;                   // of the positions in the file
+    MeshFile stored;                 // the figure, relative to the origin
     PoseClip clip;                   // without keys: no motion
     std::vector<std::string> labels; // of the cage's vertices, "" without a label; or empty
 };
@@ -256,80 +254,37 @@ std::string stem(const std::string& path) {
     return std::filesystem::path(path).stem().string();
 }
 
-/// Appends an animation with one sampler per channel; `track` returns the track of a node.
-struct Channel {
-    std::size_t node;
-    const char* path;
-    std::vector<double> values; // of all keys
-    std::size_t components;
-};
-void add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
-    GltfJson animation = {{"name", stem(clip.name)}};
-    std::size_t input = 0;
-    for (const Channel& channel : channels) {
-        const auto [track, made] = gltf_track(clip, channel.values, channel.components);
-        if (made.status != Status::ok) throw Failure(clip.name + ": " + cageform::to_string(made.status));
-        if (&channel == channels.data()) {
-            std::vector<std::array<float, 1>> times;
-            for (const float time : track.times) times.push_back({time});
-            input = document.add(times, Use::other, true);
-        }
-        std::size_t output = 0;
-        if (channel.components == 3 && std::string_view(channel.path) == "translation") {
-            std::vector<std::array<float, 3>> values;
-            for (std::size_t i = 0; i < track.values.size(); i += 3)
-                values.push_back({track.values[i], track.values[i + 1], track.values[i + 2]});
-            output = document.add(values, Use::other);
-        } else {
-            std::vector<std::array<float, 1>> values;
-            for (const float value : track.values) values.push_back({value});
-            output = document.add(values, Use::other);
-        }
-        add_channel(animation, channel.node, channel.path, input, "CUBICSPLINE", output);
-    }
-    document.append("animations", std::move(animation));
+/// Appends the animation of a clip.
+void add_motion(GltfFigure& gltf, const PoseClip& clip, std::span<const GltfTrackOfNode> tracks) {
+    const Status status = add_clip(gltf.document, clip, stem(clip.name), tracks);
+    if (status != Status::ok) throw Failure(clip.name + ": " + cageform::to_string(status));
 }
 
-/// Adds a skin: nodes for the meshes, the cage and its vertices.
-void add_skin(GltfDocument& document, const Scene& scene, const Arguments& given, const SkinWeights& skin,
-              bool with_still) {
-    const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
-    if (joints > 65536) throw Failure(scene.cage.name + ": more vertices than glTF has joints");
-    add_skinned_meshes(document, scene.meshes, scene.stored, skin, given.weights, joints, handles);
-    std::vector<std::size_t> roots = add_mesh_nodes(document, scene.meshes, true);
-    const std::size_t root_node = roots.size(), first_joint = root_node + 1;
-    roots.push_back(root_node);
-    GltfJson root = {{"name", stem(scene.cage.name)}};
-    set_origin(root, scene.origin);
-    GltfJson list;
-    for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
-    root["children"] = list;
-    document.append("nodes", std::move(root));
-    std::vector<std::array<float, 16>> inverse;
-    for (std::size_t j = 0; j < joints; ++j) {
-        const auto at =
-            j < handles ? rounded(scene.cage.vertices[j] - scene.origin) : std::array<double, 3>{};
-        std::string name = j < handles ? "handle " + std::to_string(j) : "still";
-        if (j < scene.labels.size() && !scene.labels[j].empty()) name = scene.labels[j];
-        document.append("nodes", {{"name", name}, {"translation", at}});
-        inverse.push_back(inverse_bind(at));
-    }
-    document.append("skins", {{"inverseBindMatrices", document.add(inverse, Use::other)},
-                              {"skeleton", root_node},
-                              {"joints", std::move(list)}});
-    document.append("scenes", {{"nodes", roots}});
-    if (scene.clip.keys.empty()) return;
-
-    std::vector<Channel> channels;
+/// Adds a skin whose joints are the vertices of the cage.
+void add_handles(GltfFigure& gltf, const Scene& scene, const Arguments& given, const SkinWeights& skin,
+                 bool with_still) {
+    const std::size_t handles = scene.cage.vertices.size();
+    if (handles + (with_still ? 1 : 0) > 65536)
+        throw Failure(scene.cage.name + ": more vertices than glTF has joints");
+    std::vector<GltfJoint> joints;
     for (std::size_t j = 0; j < handles; ++j) {
-        Channel channel{first_joint + j, "translation", {}, 3};
+        const bool has_label = j < scene.labels.size() && !scene.labels[j].empty();
+        joints.push_back({has_label ? scene.labels[j] : "handle " + std::to_string(j),
+                          scene.cage.vertices[j] - scene.origin});
+    }
+    if (with_still) joints.push_back({"still", {}});
+    const GltfJoints added = add_joints(gltf.document, stem(scene.cage.name), scene.origin, joints);
+    add_skin(gltf, added, skin, given.weights, handles);
+    if (scene.clip.keys.empty()) return;
+    std::vector<GltfTrackOfNode> tracks;
+    for (std::size_t j = 0; j < handles; ++j) {
+        GltfTrackOfNode& track = tracks.emplace_back(GltfTrackOfNode{added.nodes[j], "translation", {}, 3});
         for (const PoseKey& key : scene.clip.keys) {
             const Point3 place = key.places[j] - scene.origin;
-            for (std::size_t axis = 0; axis < 3; ++axis) channel.values.push_back(place[axis]);
+            track.values.insert(track.values.end(), std::begin(place.v), std::end(place.v));
         }
-        channels.push_back(std::move(channel));
     }
-    add_animation(document, scene.clip, channels);
+    add_motion(gltf, scene.clip, tracks);
 }
 
 /// The motion of all handles, with the interpolation of the vertices. Warns about the error for normals of
@@ -363,96 +318,51 @@ PoseClip clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) 
 
 /// The poses of a motion that differ from the rest pose.
 struct Targets {
-    std::vector<std::size_t> keys;                 // of the clip
-    std::vector<std::vector<Point3>> places;       // of the figure there, relative to the origin
-    std::vector<std::vector<Jacobian3>> jacobians; // at its vertices, or empty
+    std::vector<std::size_t> keys; // of the clip
+    std::vector<GltfPoseTarget> poses;
 };
 
 ///   axes   bound at the vertices; empty if normals are computed from the faces
-Targets targets_of(const Scene& scene, const Binding<double, 3>& binding, const BoundAxes& axes) {
+Targets targets_of(const Arguments& given, const Scene& scene, const Binding<double, 3>& binding,
+                   const BoundAxes& axes) {
     Targets targets;
     const PoseClip motion = clip_of_handles(scene, binding);
     for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
         if (scene.clip.keys[k].places == scene.cage.vertices) continue;
-        std::vector<Point3>& moved = targets.places.emplace_back(scene.figure.vertices.size());
-        const Status status = clone(binding, motion.keys[k].places, moved);
+        GltfPoseTarget& pose = targets.poses.emplace_back();
+        pose.name = given.moves.poses.empty() ? "key " + std::to_string(k) : stem(given.moves.poses[k - 1]);
+        pose.places.resize(scene.figure.vertices.size());
+        const Status status = clone(binding, motion.keys[k].places, pose.places);
         if (status != Status::ok) throw Failure(scene.clip.name + ": " + cageform::to_string(status));
-        for (Point3& p : moved) {
-            p = p - scene.origin;
+        const std::vector<Point3> moved = relative_to(scene.origin, pose.places);
+        for (const Point3& p : moved) {
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
                 throw Failure(scene.figure.name + ": a vertex is not finite in the pose");
         }
         warn(rounding_fault(name_of_pose(scene.clip, motion.keys[k].time), moved));
         const bool has_axes = axes[0].point_count() == moved.size();
-        auto& turned = targets.jacobians.emplace_back(has_axes ? moved.size() : 0);
+        pose.jacobians.resize(has_axes ? moved.size() : 0);
         if (has_axes)
             (void)clone_jacobians(axes, motion.keys[k].places,
-                                  cageform::StridedMatrices<double, 3>(turned[0][0].v, turned.size()));
+                                  cageform::StridedMatrices<double, 3>(pose.jacobians[0][0].v, moved.size()));
         targets.keys.push_back(k);
     }
     if (targets.keys.empty()) throw Failure(scene.clip.name + ": every pose equals the rest pose");
     return targets;
 }
 
-/// Adds the differences of positions, normals and tangents of a mesh to rest, and returns their accessors.
-GltfJson add_differences(GltfDocument& document, const GltfMesh& mesh, const MeshFile& rest,
-                         const Targets& targets) {
-    const auto difference = [](std::vector<std::array<float, 3>> a,
-                               const std::vector<std::array<float, 3>>& b) {
-        for (std::size_t i = 0; i < a.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k) a[i][k] -= b[i][k];
-        }
-        return a;
-    };
-    const auto without_side = [](const std::vector<std::array<float, 4>>& tangents) {
-        std::vector<std::array<float, 3>> directions;
-        for (const auto& [x, y, z, side] : tangents) directions.push_back({x, y, z});
-        return directions;
-    };
-    const auto positions = gltf_positions(mesh, rest.vertices);
-    const auto rest_normals = gltf_normals(mesh, rest, {rest.vertices});
-    const auto rest_tangents = gltf_tangents(mesh, rest.vertices, rest_normals);
-    GltfJson accessors;
-    for (std::size_t n = 0; n < targets.places.size(); ++n) {
-        const std::vector<Point3>& places = targets.places[n];
-        const auto normals = gltf_normals(mesh, rest, {places, targets.jacobians[n]});
-        const auto shift = difference(gltf_positions(mesh, places), positions);
-        GltfJson target = {{"POSITION", document.add(shift, Use::vertices, true)},
-                           {"NORMAL", document.add(difference(normals, rest_normals), Use::vertices)}};
-        if (const auto tangents = gltf_tangents(mesh, places, normals); !tangents.empty())
-            target["TANGENT"] =
-                document.add(difference(without_side(tangents), without_side(rest_tangents)), Use::vertices);
-        accessors.push_back(std::move(target));
-    }
-    return accessors;
-}
-
-/// Adds meshes with morph targets: one for every key whose pose is not the rest pose.
-void add_targets(GltfDocument& document, const Scene& scene, const Arguments& given, const Targets& targets) {
-    GltfJson names, zeros;
-    for (const std::size_t k : targets.keys) {
-        names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
-                                                  : stem(given.moves.poses[k - 1]));
-        zeros.push_back(0.0);
-    }
-    for (const GltfMesh& mesh : scene.meshes) {
-        const GltfJson accessors = add_differences(document, mesh, scene.stored, targets);
-        const GltfJson attributes = gltf_attributes(document, mesh, scene.stored);
-        document.append("meshes", {{"name", mesh.name},
-                                   {"primitives", gltf_primitives(document, mesh, attributes, accessors)},
-                                   {"weights", zeros},
-                                   {"extras", {{"targetNames", names}}}});
-    }
-    const auto nodes = add_mesh_nodes(document, scene.meshes, false, scene.origin);
-    document.append("scenes", {{"nodes", nodes}});
-    std::vector<Channel> channels;
-    for (const std::size_t node : nodes) {
-        Channel& channel = channels.emplace_back(Channel{node, "weights", {}, targets.keys.size()});
+/// Adds morph targets, one for every key whose pose is not the rest pose.
+void add_morphs(GltfFigure& gltf, const Scene& scene, const Targets& targets) {
+    std::vector<GltfTrackOfNode> tracks;
+    for (const GltfMorphs& morphs : value_or_fail(add_targets(gltf, scene.figure, targets.poses))) {
+        GltfTrackOfNode& track = tracks.emplace_back(
+            GltfTrackOfNode{morphs.node, "weights", {}, morphs.weights.size() + targets.keys.size()});
         for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
-            for (const std::size_t key : targets.keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+            track.values.insert(track.values.end(), morphs.weights.begin(), morphs.weights.end());
+            for (const std::size_t key : targets.keys) track.values.push_back(key == k ? 1.0 : 0.0);
         }
     }
-    add_animation(document, scene.clip, channels);
+    add_motion(gltf, scene.clip, tracks);
 }
 
 /// Clones of the figure in all frames of the motion; the last frame is the first pose again.
@@ -530,7 +440,7 @@ std::string suggest_skin(const Arguments& given, const Scene& scene, const Bindi
 }
 
 /// Adds the skin of --skin or --max-distance, and prints its errors.
-void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
+void add_chosen_skin(GltfFigure& gltf, const Arguments& given, const Scene& scene,
                      const Binding<double, 3>& bound) {
     const MeshFile& figure = scene.figure;
     SkinLoss loss;
@@ -576,7 +486,7 @@ void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene
                   << describe(loss.places) << '\n'
                   << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
     }
-    add_skin(document, scene, given, skin, !made.without_weights.empty());
+    add_handles(gltf, scene, given, skin, !made.without_weights.empty());
 }
 
 /// A binding of the figure, and of Jacobians at its vertices if normals are computed by them.
@@ -586,7 +496,9 @@ struct BoundScene {
 };
 
 /// Binds the figure, and prints warnings and the report.
-BoundScene bind_scene(const Arguments& given, const Scene& scene) {
+///
+///   unused   GltfFigure::unused
+BoundScene bind_scene(const Arguments& given, const Scene& scene, const std::string& unused) {
     const MeshFile &figure = scene.figure, &cage = scene.cage;
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);
@@ -612,7 +524,7 @@ BoundScene bind_scene(const Arguments& given, const Scene& scene) {
     if (report.status != Status::ok) throw Failure(describe_mesh_faults(cage.name, report));
     warn_of_coarse_grid(cage.name, report.solver);
     given.outside.check(coordinates, report, figure.vertices, figure.name, cage.name);
-    if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
+    if (given.report) std::cout << describe(report) << unused;
     return {std::move(bound.value), std::move(axes)};
 }
 
@@ -625,49 +537,45 @@ void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<d
 }
 
 /// Fits the skeleton of --bones to the motion and adds it. Returns the motion.
-FittedMotion add_bones(GltfDocument& document, const Arguments& given, const Scene& scene,
+FittedMotion add_bones(GltfFigure& gltf, const Arguments& given, const Scene& scene,
                        const FigureFrames& frames) {
     auto motion = fit_motion(given.skeleton, frames, given.weights);
     if (motion.loss.share() > PackingLoss::worth_a_warning || motion.report.turn > warning_angle)
         warn(scene.figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
-    const auto& [skeleton, keys] = std::tie(motion.skeleton, motion.keys);
-    add_skinned_meshes(document, scene.meshes, scene.stored, skeleton.skin, given.weights, skeleton.bones, 0);
-    add_skeleton(document, scene.meshes, skeleton, keys, stem(scene.clip.name), scene.origin);
+    add_skeleton(gltf, motion.skeleton, motion.keys, given.weights, stem(scene.clip.name), scene.origin);
     return motion;
 }
 
 /// Binds the figure and writes the requested files.
 int export_figure(const Arguments& given, const Scene& scene) {
+    GltfFigure gltf = value_or_fail(gltf_figure(scene.figure, "cageform export_gltf",
+                                                given.morph ? GltfMotion::keep : GltfMotion::without_skin));
     fail_if(fault_of_outputs({given.out, given.picture}));
-    const BoundScene bound = bind_scene(given, scene);
+    const BoundScene bound = bind_scene(given, scene, gltf.unused);
     warn_of_mirrors(given, scene, bound.points);
-    GltfDocument document("cageform export_gltf");
-    document.json["scene"] = 0;
-    print_warnings(scene.parts.warnings);
-    print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
+    print_warnings(gltf.warnings);
+    for (const std::string& text : gltf.notes) note(text);
     std::string printed, moved;
     std::optional<Picture> picture;
     if (given.morph) {
-        const Targets targets = targets_of(scene, bound.points, bound.axes);
-        add_targets(document, scene, given, targets);
+        const Targets targets = targets_of(given, scene, bound.points, bound.axes);
+        add_morphs(gltf, scene, targets);
         moved = std::to_string(targets.keys.size()) + " targets";
     } else if (!given.skeleton.bones.empty()) {
         const FigureFrames frames = frames_of(given, scene, bound.points);
-        const FittedMotion motion = add_bones(document, given, scene, frames);
+        const FittedMotion motion = add_bones(gltf, given, scene, frames);
         moved = count_bones(motion);
         if (given.report) printed = describe(motion);
         if (!given.picture.empty()) picture = draw_skeleton(frames, motion, given.view.sight);
     } else {
-        add_chosen_skin(document, given, scene, bound.points);
-        moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
+        add_chosen_skin(gltf, given, scene, bound.points);
+        moved = std::to_string(gltf.document.json["skins"].back()["joints"].size()) + " joints";
     }
     OutputFiles outputs;
-    const std::size_t bytes = value_or_fail(save_gltf(document, given.out, outputs));
+    const std::size_t bytes = value_or_fail(save_gltf(gltf.document, given.out, outputs));
     if (picture) picture->write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
-    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, scene.figure, moved, bytes))
-              << '\n'
-              << printed;
+    std::cout << printable(describe_gltf(given.out, gltf, scene.figure, moved, bytes)) << '\n' << printed;
     return 0;
 }
 
@@ -676,9 +584,10 @@ Scene read_scene(const Arguments& given) {
     Scene scene;
     scene.figure = load_mesh_figure(given.figure, given.is_strict);
     scene.cage = load_or_make_cage(given.cage, scene.figure);
-    if (given.flips_faces) scene.figure = with_faces_reversed(std::move(scene.figure));
-    scene.parts = read_parts(scene.figure);
-    scene.meshes = value_or_fail(gltf_meshes(scene.figure, scene.parts));
+    if (given.flips_faces) {
+        fail_if(fault_of_reversing(scene.figure));
+        scene.figure = with_faces_reversed(std::move(scene.figure));
+    }
     if (!given.labels.empty())
         scene.labels = value_or_fail(read_labels(given.labels, scene.cage.vertices.size()));
     scene.clip = given.moves.motion(scene.cage);
@@ -775,7 +684,7 @@ void check_options(const Arguments& given, std::span<const CommandOption> of_bon
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
+        "Writes a figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
     line.set_examples(
         {"character.obj --cage auto --turn 5-9:30,z --bones auto --max-distance 0.2% -o character.glb",
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});

@@ -2,6 +2,7 @@
 //
 //     fit_skeleton rest.obj frames/*.obj -o skin.glb --bones auto --max-distance 0.2%
 //     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
+//     fit_skeleton animated.glb -o skin.glb --animation walk
 //
 // Bones are fitted to the motion. They rotate, have joints and parents, and by default at most four move a
 // vertex. The program converts any vertex animation for engines: cages, lattices, cloth. The method is that
@@ -11,6 +12,7 @@
 #include "cli/command_line.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/skeleton_choice.hpp"
+#include "files/gltf_animation.hpp"
 #include "files/gltf_skeleton.hpp"
 #include "files/mdd_file.hpp"
 #include "io/messages.hpp"
@@ -28,7 +30,7 @@ namespace {
 using namespace cageform_support;
 
 struct Arguments {
-    std::string rest, out, picture, axes = "x,y,z";
+    std::string rest, animation, out, picture, axes = "x,y,z";
     std::vector<std::string> frames;
     double rate = 0; // 0: the times of an MDD file, else default_rate
     SkeletonChoice choice{.bones = "auto"};
@@ -39,10 +41,12 @@ struct Arguments {
 constexpr double default_rate = 30;
 
 constexpr const char* frames_format =
-    "The frames are meshes with the same vertices in the same order as the figure, or\n"
-    "one MDD file. Files in the order of a shell pattern are sorted by number. An MDD\n"
-    "file contains times, which --rate replaces. For MDD files of Blender, whose z\n"
-    "axis is reversed, use --axes x,y,-z.\n";
+    "The frames are meshes with the same vertices in the same order as the figure, or one\n"
+    "MDD file. Files in the order of a shell pattern are sorted by number. An MDD file\n"
+    "contains times, which --rate replaces. For MDD files of Blender, whose z axis is\n"
+    "reversed, use --axes x,y,-z. Without frames, an animation of the glTF file is fitted:\n"
+    "its nodes, skins and morph targets move the figure. The output has the new skeleton\n"
+    "and its animation instead of them.\n";
 
 std::string fault_of_axes(const std::string& word) {
     if (word == "x,y,z" || word == "x,y,-z" || word == "x,z,-y") return {};
@@ -64,6 +68,34 @@ bool ascend(std::span<const double> times) {
             return false;
     }
     return true;
+}
+
+/// Samples an animation of the figure's file.
+MddFile sample_animation(Arguments& given, const MeshFile& figure) {
+    const auto* scene = dynamic_cast<const GltfScene*>(figure.document.get());
+    if (scene == nullptr)
+        throw Failure(figure.name + ": has no animation: give frames, which are meshes or one MDD file");
+    const GltfIndex index = value_or_fail(find_animation(*scene, given.animation, figure.name));
+    const auto animation = value_or_fail(GltfAnimation::read(*scene, index, figure.name));
+    if (given.rate == 0) given.rate = default_rate;
+    constexpr double most = 100000;
+    if (!(animation.length() * given.rate <= most))
+        throw Failure(figure.name + ": " + detail::short_number(given.rate) +
+                      " frames per second are more than 100000 in all: give a smaller --rate");
+    given.frames = {figure.name + ", animation " + std::to_string(index)};
+    MddFile file;
+    for (std::size_t k = 0; file.times.empty() || file.times.back() < double(float(animation.length()));
+         ++k) {
+        const double time = double(float(std::min(double(k) / given.rate, animation.length())));
+        file.times.push_back(time);
+        auto& places = file.frames.emplace_back(scene->positions(animation.pose_at(time)));
+        for (const Point3& p : places) {
+            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
+                throw Failure(given.frames[0] + ": a vertex is not finite in single precision at " +
+                              detail::short_number(time) + " s");
+        }
+    }
+    return file;
 }
 
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
@@ -115,7 +147,8 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     const auto mirrors = [&](const auto& frame) { return is_mirrored(frames.rest, frame); };
     const auto first = std::find_if(frames.places.begin(), frames.places.end(), mirrors);
     const bool has_all = std::all_of(frames.places.begin(), frames.places.end(), mirrors);
-    const bool is_mdd = frames.files.size() != frames.places.size();
+    const bool is_one_file = frames.files.size() != frames.places.size();
+    const bool is_mdd = lowercase_extension(frames.files[0]) == ".mdd";
     if (first == frames.places.end()) {
         warn(describe_winding(frames.files[0], frames.name, side_of(frames.rest, frames.places[0]),
                               given.flips_faces));
@@ -126,7 +159,7 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
                     "; for an MDD file of Blender give --axes x,y,-z");
     const auto number = std::size_t(first - frames.places.begin());
     const std::string name =
-        is_mdd ? frames.files[0] + ", frame " + std::to_string(number) : frames.files[number];
+        is_one_file ? frames.files[0] + ", frame " + std::to_string(number) : frames.files[number];
     if (given.choice.kind != "stretched")
         return warn(name + ": the pose mirrors " + frames.name + ", and no bone of --kind " +
                     given.choice.kind + " does: give --kind stretched and --flip-faces" +
@@ -162,9 +195,8 @@ std::vector<Point3> join_copies(const MeshFile& figure, std::vector<std::vector<
 
 /// Reads the frames, fits, and writes the files.
 int fit_figure(Arguments& given, MeshFile figure) {
-    const ObjParts parts = read_parts(figure);
-    const auto meshes = value_or_fail(gltf_meshes(figure, parts));
-    auto read = read_frames(given, figure);
+    GltfFigure gltf = value_or_fail(gltf_figure(figure, "cageform fit_skeleton", GltfMotion::drop));
+    auto read = given.frames.empty() ? sample_animation(given, figure) : read_frames(given, figure);
     auto& places = read.frames;
     const std::size_t sound = figure.triangles[0][0]; // excluded vertices get its position
     for (const std::size_t vertex : figure.left_out) {
@@ -193,37 +225,39 @@ int fit_figure(Arguments& given, MeshFile figure) {
         warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
-    GltfDocument document("cageform fit_skeleton");
-    document.json["scene"] = 0;
-    print_warnings(parts.warnings);
-    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
-    add_skinned_meshes(document, meshes, figure, motion.skeleton.skin, "float", motion.skeleton.bones, 0);
-    add_skeleton(document, meshes, motion.skeleton, motion.keys,
+    print_warnings(gltf.warnings);
+    for (const std::string& text : gltf.notes) note(text);
+    add_skeleton(gltf, motion.skeleton, motion.keys, "float",
                  std::filesystem::path(given.rest).stem().string(), origin);
 
     OutputFiles outputs;
-    const std::size_t bytes = value_or_fail(save_gltf(document, given.out, outputs));
+    const std::size_t bytes = value_or_fail(save_gltf(gltf.document, given.out, outputs));
     if (!given.picture.empty())
         draw_skeleton(frames, motion, given.view.sight).write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
-    std::cout << printable(describe_gltf(given.out, meshes, parts, figure, count_bones(motion), bytes))
-              << '\n';
-    if (given.report) std::cout << describe(motion) << describe_unused(parts);
+    std::cout << printable(describe_gltf(given.out, gltf, figure, count_bones(motion), bytes)) << '\n';
+    if (given.report) std::cout << describe(motion) << gltf.unused;
     return 0;
 }
 
 } // namespace
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Fits a skeleton to a sequence of meshes, and writes the figure with its skin and its motion "
-        "as glTF 2.0.");
+    CommandLine line("Fits a skeleton to a sequence of meshes or an animation, and writes the figure with "
+                     "its skin and its motion "
+                     "as glTF 2.0.");
     line.set_examples({"rest.obj frame_*.obj -o skin.glb --bones auto --max-distance 0.2%",
-                       "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report"});
+                       "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report",
+                       "animated.glb -o skin.glb --animation walk"});
     Arguments given;
-    line.add("figure", given.rest, "the mesh of the figure at rest").required();
-    line.add("frames", given.frames, "meshes, one per frame, or one MDD file; messages number frames from 0")
-        .required();
+    line.add("figure", given.rest, "the mesh of the figure at rest, or an animated glTF file").required();
+    const CommandOption frames = line.add(
+        "frames", given.frames, "meshes, one per frame, or one MDD file; messages number frames from 0");
+    line.add("--animation", given.animation,
+             "without frames: the name or the number, from 0, of an animation of the glTF file; by default "
+             "the "
+             "first")
+        .excludes(frames);
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});
@@ -237,7 +271,7 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     line.add("--rate", given.rate,
              "frames per second: frame k is at k / RATE seconds. By default the times of an MDD file, and 30 "
-             "per second for meshes")
+             "per second for meshes and animations")
         .range(1e-3, 1e6);
     line.add("--axes", given.axes,
              "the axes of the MDD file: x,y,z; x,y,-z as Blender writes; or x,z,-y if y is up in the MDD "
@@ -257,6 +291,9 @@ int run_program(int argc, char** argv) {
 
     auto figure = load_mesh_figure(given.rest, given.is_strict);
     fail_if(single_precision_fault(figure));
-    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
+    if (given.flips_faces) {
+        fail_if(fault_of_reversing(figure));
+        figure = with_faces_reversed(std::move(figure));
+    }
     return fit_figure(given, std::move(figure));
 }

@@ -1,4 +1,4 @@
-// Computes bone weights for an OBJ figure, and poses the figure by its bones.
+// Computes bone weights for a figure, and poses the figure by its bones.
 //
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
@@ -41,7 +41,7 @@ constexpr const char* bones_format =
     "Parents come before their children; a bone without a parent leaves that field\n"
     "empty. Lines that begin with # are skipped.\n";
 
-constexpr std::size_t no_parent = ~std::size_t{0};
+constexpr std::size_t no_parent = GltfJoint::no_parent;
 constexpr double most_degrees = 36000; // for larger angles keys would be too close
 
 struct Bone {
@@ -250,15 +250,18 @@ PackingLoss loss_of(const MeshFile& figure, std::span<const Point3> right, std::
     return loss;
 }
 
-/// The animation to the pose and back in two seconds, for bones from node `first` on.
-void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size_t first) {
+/// Appends the animation to the pose and back in two seconds.
+///
+///   nodes   #bones
+void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::span<const GltfIndex> nodes) {
     GltfJson animation = {{"name", "pose"}};
     double largest = 0;
     for (const Bone& bone : bones) largest = std::max(largest, degrees_of(bone));
     // Interpolation is linear between keys; keys are at most 36 degrees apart, so speed is nearly constant.
     const std::size_t keys = 16 * std::max<std::size_t>(std::size_t(std::ceil(largest / 180)), 1) + 1;
-    std::vector<std::array<float, 1>> times;
-    for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
+    std::vector<double> times;
+    for (std::size_t k = 0; k < keys; ++k) times.push_back(double(2 * float(k) / float(keys - 1)));
+    GltfIndex input = gltf_none;
     for (std::size_t b = 0; b < bones.size(); ++b) {
         if (bones[b].turn == Point3{}) continue;
         std::vector<std::array<float, 4>> turns;
@@ -267,69 +270,20 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
             const auto q = quaternion(bones[b], share);
             turns.push_back({float(q[0]), float(q[1]), float(q[2]), float(q[3])});
         }
-        const std::size_t input = animation.contains("samplers")
-                                      ? animation["samplers"][0]["input"].get<std::size_t>()
-                                      : document.add(times, Use::other, true);
-        animation["samplers"].push_back({{"input", input}, {"output", document.add(turns, Use::other)}});
-        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
-                                         {"target", {{"node", first + b}, {"path", "rotation"}}}});
+        if (input == gltf_none) input = add_scalars(document, times, true);
+        add_channel(animation, nodes[b], "rotation", input, "LINEAR", document.add(turns, Use::other));
     }
     if (animation.contains("channels")) document.append("animations", std::move(animation));
 }
 
-/// The document: meshes, bones as nodes, skin, animation.
-///
-///   figure   its vertices are relative to `origin`
-GltfDocument skinned_document(const MeshFile& figure, const Point3& origin, const ObjParts& parts,
-                              const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
-                              const cageform::SkinWeights& skin) {
-    GltfDocument document("cageform skin_mesh");
-    document.json["scene"] = 0;
-    print_warnings(parts.warnings);
-    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
-    GltfJson roots;
-    for (const GltfMesh& mesh : meshes) {
-        GltfJson attributes = gltf_attributes(document, mesh, figure);
-        attributes.update(skin_attributes<std::uint16_t, float>(document, mesh, skin, skin.weights, 0));
-        const std::size_t index = document.append(
-            "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
-        roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));
-    }
-    const std::size_t first = meshes.size();
-    // A skin needs a common root of all joints (5.28.1), which also has the origin.
-    const auto is_root = [](const Bone& bone) { return bone.parent == no_parent; };
-    const bool has_top = origin != Point3{} || std::count_if(bones.begin(), bones.end(), is_root) > 1;
-    GltfJson joints, tops;
-    std::vector<std::array<float, 16>> inverse;
-    for (std::size_t b = 0; b < bones.size(); ++b) {
-        const auto single = [](const Point3& p) {
-            return Point3{double(float(p[0])), double(float(p[1])), double(float(p[2]))};
-        };
-        const Point3 head = single(bones[b].segment.head - origin);
-        const Point3 at =
-            is_root(bones[b]) ? head : head - single(bones[bones[b].parent].segment.head - origin);
-        GltfJson node = {{"name", bones[b].name}, {"translation", {at[0], at[1], at[2]}}};
-        for (std::size_t c = b + 1; c < bones.size(); ++c) {
-            if (bones[c].parent == b) node["children"].push_back(first + c);
-        }
-        document.append("nodes", std::move(node));
-        joints.push_back(first + b);
-        if (is_root(bones[b])) (has_top ? tops : roots).push_back(first + b);
-        inverse.push_back(
-            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(head[0]), -float(head[1]), -float(head[2]), 1});
-    }
-    GltfJson written = {{"inverseBindMatrices", document.add(inverse, Use::other)}, {"joints", joints}};
-    if (has_top) {
-        GltfJson top = {{"name", "skeleton"}, {"children", tops}};
-        set_origin(top, origin);
-        roots.push_back(document.append("nodes", std::move(top)));
-        written["skeleton"] = roots.back();
-    }
-    document.append("skins", std::move(written));
-    document.append("scenes", {{"nodes", roots}});
-
-    add_turns(document, bones, first);
-    return document;
+/// Adds the bones as nodes, the skin and the animation.
+void add_bones(GltfFigure& gltf, const Point3& origin, const std::vector<Bone>& bones,
+               const cageform::SkinWeights& skin) {
+    std::vector<GltfJoint> list;
+    for (const Bone& bone : bones) list.push_back({bone.name, bone.segment.head - origin, bone.parent});
+    const GltfJoints joints = add_joints(gltf.document, "skeleton", origin, list);
+    add_skin(gltf, joints, skin, "float", 0);
+    add_turns(gltf.document, bones, joints.nodes);
 }
 
 /// The bone with a name; `otherwise` for an empty name.
@@ -445,8 +399,7 @@ Picture draw_weights(const Arguments& given, const MeshFile& figure, std::span<c
 
 int skin_figure(const Arguments& given, const MeshFile& figure, const std::vector<Bone>& bones) {
     const PaintedBones painted = painted_bones(given, bones);
-    const ObjParts parts = read_parts(figure);
-    const auto meshes = value_or_fail(gltf_meshes(figure, parts));
+    GltfFigure gltf = value_or_fail(gltf_figure(figure, "cageform skin_mesh", GltfMotion::without_skin));
     fail_if(fault_of_outputs({given.out, given.picture}));
     const auto [weights, report] = skin_of(given, figure, bones);
     auto [skin, kept] = cageform::skin_weights(std::span<const double>(weights), bones.size(),
@@ -466,19 +419,20 @@ int skin_figure(const Arguments& given, const MeshFile& figure, const std::vecto
         warn(figure.name + ": a skin of " + std::to_string(skin.influences) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin reduces the error");
     }
+    print_warnings(gltf.warnings);
+    for (const std::string& text : gltf.notes) note(text);
+    add_bones(gltf, origin, bones, skin);
     OutputFiles outputs;
-    (void)value_or_fail(
-        save_gltf(skinned_document(stored, origin, parts, meshes, bones, skin), given.out, outputs));
+    const std::size_t bytes = value_or_fail(save_gltf(gltf.document, given.out, outputs));
     if (!given.picture.empty())
         draw_weights(given, figure, moved, written, bones.size(), painted)
             .write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
-    std::size_t vertices = 0;
-    for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();
-    std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
-              << given.weights << '\n';
+    std::cout << printable(
+                     describe_gltf(given.out, gltf, figure, detail::counted(bones.size(), "bone"), bytes))
+              << '\n';
     if (given.report) {
-        std::cout << describe_unused(parts) << "flipped edges: " << report.mesh.flips
+        std::cout << gltf.unused << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
                   << "\nbones per vertex, mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
@@ -492,7 +446,7 @@ int skin_figure(const Arguments& given, const MeshFile& figure, const std::vecto
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Finds the weights of bones on an OBJ figure, and writes the figure with its skin as glTF 2.0.");
+        "Finds the weights of bones on a figure, and writes the figure with its skin as glTF 2.0.");
     line.set_examples(
         {"character.obj --bones character.bones.csv -o skinned.glb",
          "character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png"});

@@ -3,7 +3,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include "files/gltf_file.hpp"
+#include "files/gltf_figure.hpp"
 #include "files/ply_file.hpp"
 #include "files/ply_mesh.hpp"
 #include "files/posed_file.hpp"
@@ -544,14 +544,16 @@ TEST_CASE("a PLY file without text has one object for glTF", "[examples][mesh_fo
         const ObjParts parts = read_parts(mesh);
         CHECK(parts.objects == std::vector<std::string>{"in"});
         CHECK(parts.face_materials.size() == mesh.faces.size());
-        const auto meshes = gltf_meshes(mesh, parts);
-        REQUIRE(bool(meshes) == !mesh.faces.empty());
-        if (!meshes) return;
-        std::size_t indices = 0;
-        for (const auto& part : meshes->front().parts) indices += part.indices.size();
-        CHECK(indices == 3 * mesh.triangles.size());
-        GltfDocument document("a test");
-        CHECK(gltf_attributes(document, meshes->front(), mesh).contains("COLOR_0") == !mesh.colours.empty());
+        const auto gltf = gltf_figure(mesh, "test", GltfMotion::keep);
+        REQUIRE(bool(gltf) == !mesh.faces.empty());
+        if (!gltf) return;
+        std::size_t corners = 0;
+        const GltfDocument& document = gltf->document;
+        for (const GltfJson& primitive : document.json["meshes"][0]["primitives"]) {
+            corners += document.count(primitive["indices"].get<GltfIndex>(), "a primitive");
+            CHECK(primitive["attributes"].contains("COLOR_0") == !mesh.colours.empty());
+        }
+        CHECK(corners == 3 * mesh.triangles.size());
     });
 }
 

@@ -2,7 +2,7 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{cli/{clip_motion,mesh_cage,mesh_folds,pins,pose_operations},files/{bind_report,cage_file,clip_file,curved_cage,gltf_file,lattice_file,marker_file,medit_file,mesh_file,moved_normals,obj_file,obj_parts,ply_file,ply_mesh,site_file,stl_file},io/*,svg/*}.cpp
+//             examples/support/{cli/{clip_motion,mesh_cage,mesh_folds,pins,pose_operations},files/{bind_report,cage_file,clip_file,curved_cage,gltf_faces,gltf_figure,gltf_skeleton,lattice_file,marker_file,medit_file,mesh_file,moved_normals,obj_file,obj_parts,ply_file,ply_mesh,site_file,stl_file},io/*,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
@@ -12,8 +12,7 @@
 #include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
-#include "files/gltf_file.hpp"
-#include "files/gltf_scene.hpp"
+#include "files/gltf_skeleton.hpp"
 #include "files/lottie_file.hpp"
 #include "files/marker_file.hpp"
 #include "files/medit_file.hpp"
@@ -133,17 +132,17 @@ void read_poses(const std::string& text) {
 /// Checks the parts that glTF files get, and their triangles.
 void check_parts(const MeshFile& file) {
     if (single_precision_fault(file)) return;
+    const auto gltf = gltf_figure(file, "fuzz", GltfMotion::keep);
+    if (!taken(gltf)) return;
     const ObjParts parts = read_parts(file);
-    const auto meshes = gltf_meshes(file, parts);
-    if (!taken(meshes)) return;
     std::vector<std::size_t> written(parts.materials.size()), read(written); // triangles of a material
     for (const std::uint32_t face : file.triangle_faces) ++read[parts.face_materials[face]];
-    for (const auto& mesh : *meshes) {
-        const auto places = gltf_positions(mesh, file.vertices);
-        REQUIRE(gltf_normals(mesh, file, {file.vertices}).size() == places.size());
-        for (const auto& part : mesh.parts) {
-            written.at(part.material) += part.indices.size() / 3;
-            for (const auto& index : part.indices) REQUIRE(index[0] < mesh.corners.size());
+    for (const GltfSurface& surface : gltf->surfaces) {
+        REQUIRE(gltf_normals(surface, file, {file.vertices}).size() == surface.corners.size());
+        for (const GltfJson& primitive : gltf->document.json["meshes"][surface.mesh]["primitives"]) {
+            const auto indices = gltf->document.indices(primitive["indices"].get<GltfIndex>(), "a primitive");
+            written.at(primitive["material"].get<std::size_t>()) += indices.size() / 3;
+            for (const std::uint32_t index : indices) REQUIRE(index < surface.corners.size());
         }
     }
     REQUIRE(written == read);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# Every kind of file that export_gltf, fit_skeleton and make_hand write is played by a second reader (PLAYBACK) and compared with the clone. Every
+# Every kind of file that export_gltf, fit_skeleton, skin_mesh and make_hand write is played by a second reader (PLAYBACK) and compared with the clone. Every
 # file, also that of make_character, has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u
@@ -128,6 +128,52 @@ cat log
   refuses 'is not a fraction such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
 }
 
+# ---- documents in ----
+plays_alike() { # SHARE GLB GLB   the last animations move the vertices alike
+  /usr/bin/python3 - "$here" "$@" <<'END'
+import sys
+import numpy as np
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+from glb import Document
+def played(path, share):
+    document = Document(path)
+    last = len(document.list("animations")) - 1
+    rows = document.evaluate(last, share * document.last_time(last))
+    return np.concatenate([part["POSITION"] for part in rows.values()])
+moved = 0
+for share in np.linspace(0, 1, 7):
+    a, b = played(sys.argv[3], share), played(sys.argv[4], share)
+    if share == 0: rest, size = b, np.linalg.norm(np.ptp(b, axis=0))
+    off, moved = np.abs(a - b).max() / size, max(moved, np.abs(b - rest).max() / size)
+    if not off <= float(sys.argv[2]): sys.exit("%s of the size apart" % off)
+sys.exit(moved < 0.05)
+END
+}
+# shellcheck disable=SC2086
+{
+  works "a document without motion" "$export" part.obj $cage --coordinates mean-value --skin 4 -o document.glb
+  works "a document, a skin" "$export" document.glb $cage $clip --coordinates mean-value --skin 16 -o document_skin.glb
+  says 'note: document.glb: its skin is replaced'
+  works "a document, morph targets" "$export" document.glb $cage $clip --coordinates mean-value --morph -o document_morph.gltf
+  says_not 'is replaced'
+  works "a document, bones" "$export" document.glb $cage $clip --coordinates mean-value --bones auto --max-distance 1% -o document_bones.glb
+  works "a document, weights of a surface" "$programs/skin_mesh" skin_4.glb --bones character.bones.csv -o document_surface.glb
+  works "the animation of a document" "$programs/fit_skeleton" skin_16.glb --max-distance 1% -o document_fitted.glb
+  works "a player's walk" "$programs/fit_skeleton" player.glb --animation walk --rate 20 -o player_fitted.glb
+  refuses 'player.glb: has no animation "run"; it has 2' "$programs/fit_skeleton" player.glb --animation run -o out.glb
+  refuses 'part.obj: has no animation: give frames' "$programs/fit_skeleton" part.obj -o out.glb
+}
+works "a document, played by the second reader" "$playback" part.obj character_cage.obj character_clip.csv document_skin.glb
+for files in "1e-5 document_skin.glb skin_16.glb" "1e-5 document_morph.gltf morph.glb" "0.02 document_bones.glb bones_auto.glb" \
+  "0.02 document_fitted.glb skin_16.glb"; do
+  # shellcheck disable=SC2086
+  works "$files play alike" plays_alike $files
+done
+plays_alike 1e-5 document_morph.gltf skin_16.glb >log 2>&1 && report no "the comparison sees another motion" || report yes other
+works "models with every property of the format" /usr/bin/python3 "$here/export_models.py" "$programs" models
+tail -n 1 log
+
 # ---- bones: weights found on the surface ----
 skin="$programs/skin_mesh"
 for weights in heat harmonic; do
@@ -189,7 +235,7 @@ for weights in heat harmonic cage frames; do
 done
 printf '%s\n' 'left,,-0.2,1,0,-0.6,1,0,0,0,0' 'right,,0.2,1,0,0.6,1,0,0,0,0' >roots.csv
 works "two bones without a parent" "$skin" character.obj --bones roots.csv --see-through -o roots.gltf
-grep -q '"skeleton": 3' roots.gltf && report yes roots || report no "a node is above both"
+grep -q '"skeleton": 1' roots.gltf && report yes roots || report no "a node is above both"
 works "one bone that stands" "$skin" character.obj --bones one.csv --weights harmonic --skin 1 -o bones_one.gltf
 sed '/^f 7/d' character.obj >open_character.obj
 works "an open mesh" "$skin" open_character.obj --bones character.bones.csv --see-through --skin 8 -o bones_open.glb
@@ -420,6 +466,20 @@ if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$fo
   fi
 fi
 node "$here/validate.mjs" "$folder" ./*.glb ./*.gltf || exit 1
+issues() { # FILE…   lines with the model of a file and an error or a warning
+  node "$here/validate.mjs" "$folder" "$@" | awk '/^[^ ]/ { sub(/: [0-9]+ errors.*/, ""); sub(/.*\//, ""); sub(/\..*/, ""); file = $0 }
+    /^  (error|warning) / { print file, $1, $2 }' | sort -u
+}
+rm -f models/*.moved.glb models/*.wanted.glb
+for model in models/*.gl*; do
+  case $model in *.*.glb) echo "$model" >>outputs ;; *) echo "$model" >>inputs ;; esac
+done
+# shellcheck disable=SC2046  # names without spaces
+issues $(cat inputs) >before && issues $(cat outputs) >after
+if [ ! -s outputs ] || comm -13 before after | grep .; then
+  echo "FAILED: a document gets errors or warnings"
+  exit 1
+fi
 # It does find faults: an animation that lacks two thirds of its numbers.
 sed 's/CUBICSPLINE/LINEAR/' unorm8.gltf >broken.gltf
 if node "$here/validate.mjs" "$folder" broken.gltf >log 2>&1 || ! grep -q '[1-9][0-9]* errors' log; then

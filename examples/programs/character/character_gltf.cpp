@@ -118,14 +118,14 @@ GltfJson morph_accessors(GltfDocument& document, const MorphTarget& target) {
             {"NORMAL", document.add(turns, Use::vertices)}};
 }
 
-GltfMesh gltf_mesh(const PuppetPart& part, Material material, bool takes_tangents) {
-    GltfMesh mesh{"", {}, {{material, {}}}, part.texture, takes_tangents};
-    for (std::uint32_t i = 0; i < part.places.size(); ++i)
-        mesh.corners.push_back({i, MeshCorner::none, MeshCorner::none});
-    for (const auto& face : part.faces) {
-        for (const std::uint32_t corner : face) mesh.parts[0].indices.push_back({corner});
-    }
-    return mesh;
+GltfSurface surface_of(const PuppetPart& part, bool takes_tangents) {
+    GltfSurface surface;
+    surface.maps = {identity_map};
+    for (std::uint32_t i = 0; i < part.places.size(); ++i) surface.corners.push_back({i, MeshCorner::none});
+    if (!takes_tangents) return surface;
+    surface.triangles.assign(part.faces.begin(), part.faces.end());
+    surface.texture = part.texture;
+    return surface;
 }
 
 /// A primitive of a part. Its skin has the four largest weights of each vertex.
@@ -135,11 +135,13 @@ GltfMesh gltf_mesh(const PuppetPart& part, Material material, bool takes_tangent
 GltfJson primitive_of(GltfDocument& document, const PuppetPart& part, Material material,
                       const std::vector<Point3>& places, const Floats<3>& normals,
                       std::span<const MorphTarget> targets = {}) {
-    const GltfMesh mesh = gltf_mesh(part, material, material == wool);
-    GltfJson attributes = {{"POSITION", document.add(gltf_positions(mesh, places), Use::vertices, true)},
+    const GltfSurface surface = surface_of(part, material == wool);
+    Floats<3> positions;
+    for (const Point3& p : places) positions.push_back(floats(p));
+    GltfJson attributes = {{"POSITION", document.add(positions, Use::vertices, true)},
                            {"NORMAL", document.add(normals, Use::vertices)},
                            {"TEXCOORD_0", document.add(part.texture, Use::vertices)}};
-    if (const auto tangents = gltf_tangents(mesh, places, normals); !tangents.empty())
+    if (const auto tangents = gltf_tangents(surface, places, normals); !tangents.empty())
         attributes["TANGENT"] = document.add(tangents, Use::vertices);
     if (!part.colours.empty()) attributes["COLOR_0"] = document.add(part.colours, Use::vertices, false, true);
     if (!part.weights.empty()) {
@@ -147,11 +149,17 @@ GltfJson primitive_of(GltfDocument& document, const PuppetPart& part, Material m
             cageform::skin_weights(part.weights, part.weights.size() / places.size(), {.influences = 4});
         if (report.status != cageform::Status::ok) throw Failure(cageform::to_string(report.status));
         make_sums_exact(weights);
-        attributes.update(skin_attributes<std::uint8_t, float>(document, mesh, weights, weights.weights, 0));
+        attributes.update(
+            skin_attributes<std::uint8_t, float>(document, surface, weights, weights.weights, 0));
     }
-    GltfJson morphs;
-    for (const MorphTarget& target : targets) morphs.push_back(morph_accessors(document, target));
-    return gltf_primitives(document, mesh, attributes, morphs)[0];
+    std::vector<std::uint32_t> corners;
+    for (const auto& face : part.faces) corners.insert(corners.end(), face.begin(), face.end());
+    GltfJson primitive = {{"attributes", attributes},
+                          {"indices", add_indices(document, corners, places.size())},
+                          {"material", material}};
+    for (const MorphTarget& target : targets)
+        primitive["targets"].push_back(morph_accessors(document, target));
+    return primitive;
 }
 
 struct NamedTarget {

@@ -6,7 +6,7 @@
 // up, as in many modelling programs, below a node "character" that turns and scales them.
 
 #include "character/parts.hpp"
-#include "files/gltf_file.hpp"
+#include "files/gltf_document.hpp"
 
 namespace cageform_programs {
 

@@ -9,7 +9,7 @@
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
-#include "files/gltf_file.hpp"
+#include "files/gltf_figure.hpp"
 #include "files/obj_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
@@ -62,58 +62,28 @@ HandPose pose_at(const BoundHand& bound, double seconds) {
     return pose;
 }
 
-using Rows = std::vector<std::array<float, 3>>;
-
-Rows difference(Rows a, const Rows& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        for (std::size_t k = 0; k < 3; ++k) a[i][k] -= b[i][k];
-    }
-    return a;
-}
-
 /// The clip as morph targets, one per key.
 GltfDocument clip_document(const BoundHand& bound) {
-    using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest
     const auto file =
         value_or_fail(parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj"));
-    const auto meshes = value_or_fail(gltf_meshes(file, read_parts(file)));
-    const GltfMesh& mesh = meshes.front();
-    GltfDocument document("cageform make_hand");
-    const Rows rest = gltf_positions(mesh, file.vertices),
-               normals = gltf_normals(mesh, file, {file.vertices});
-    GltfJson primitive;
-    primitive["attributes"] = {{"POSITION", document.add(rest, Use::vertices, true)},
-                               {"NORMAL", document.add(normals, Use::vertices)}};
-    primitive["indices"] = document.add(mesh.parts[0].indices, Use::indices);
-    std::vector<std::array<float, 1>> times, weights;
-    GltfJson zeros;
+    GltfFigure gltf = value_or_fail(gltf_figure(file, "cageform make_hand", GltfMotion::keep));
+    std::vector<GltfPoseTarget> poses;
+    std::vector<double> times, weights;
     for (std::size_t key = 0; key < keys; ++key) {
-        times.push_back({0.25f * float(key)});
-        for (std::size_t target = 1; target + 1 < keys; ++target)
-            weights.push_back({target == key ? 1.0f : 0.0f});
+        times.push_back(0.25 * double(key));
+        for (std::size_t target = 1; target + 1 < keys; ++target) weights.push_back(target == key ? 1 : 0);
         if (key == 0 || key + 1 == keys) continue;
-        const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
-        if (skin.empty()) throw Failure("a pose of the clip cannot be cloned");
-        const Rows shift = difference(gltf_positions(mesh, skin), rest),
-                   turn = difference(gltf_normals(mesh, file, {skin}), normals);
-        primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
-                                        {"NORMAL", document.add(turn, Use::vertices)}});
-        zeros.push_back(0.0);
+        poses.push_back({"key " + std::to_string(key), bound.clone(pose_at(bound, times.back()))});
+        if (poses.back().places.empty()) throw Failure("a pose of the clip cannot be cloned");
     }
-    GltfJson primitives = GltfJson::array();
-    primitives.push_back(std::move(primitive));
-    document.append("meshes", {{"name", "hand"}, {"primitives", std::move(primitives)}, {"weights", zeros}});
-    document.append("nodes", {{"name", "hand"}, {"mesh", 0}});
-    document.append("scenes", {{"nodes", {0}}});
-    document.json["scene"] = 0;
+    const auto morphs = value_or_fail(add_targets(gltf, file, poses));
     GltfJson animation = {{"name", "open, fist, point, grasp"}};
-    const std::size_t input = document.add(times, Use::other, true),
-                      output = document.add(weights, Use::other);
-    animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
-    animation["channels"].push_back({{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}});
-    document.append("animations", std::move(animation));
-    return document;
+    const GltfIndex input = add_scalars(gltf.document, times, true);
+    add_channel(animation, morphs[0].node, "weights", input, "LINEAR",
+                add_scalars(gltf.document, weights, false));
+    gltf.document.append("animations", std::move(animation));
+    return std::move(gltf.document);
 }
 
 } // namespace

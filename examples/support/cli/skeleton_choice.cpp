@@ -1,7 +1,6 @@
 #include "cli/skeleton_choice.hpp"
 
 #include "cli/progress_bar.hpp"
-#include "files/gltf_file.hpp"
 #include "files/gltf_skeleton.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"

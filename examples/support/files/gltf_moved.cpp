@@ -58,6 +58,13 @@ public:
                     cageform::bounds_of(std::span<const Point3>(mesh.vertices)).magnitude()) {}
 
     MovedFile write(const std::filesystem::path& path) {
+        auto files = document().files(path);
+        if (!files) throw GltfFault(files.error().message);
+        return {std::move(*files), notes()};
+    }
+
+    /// Moves the vertices; returns the document.
+    const GltfDocument& document() {
         count_uses();
         if (moved_.drops_skins) drop_skins();
         if (!moved_.drops_skins && !moved_.guides.empty()) move_joints();
@@ -65,9 +72,7 @@ public:
         next_end_ = scene_.joints.size();
         for (const GltfVertices& run : scene_.runs) runs.push_back(moved_run(run));
         store(runs);
-        auto files = document_.files(path);
-        if (!files) throw GltfFault(files.error().message);
-        return {std::move(*files), notes()};
+        return document_;
     }
 
 private:
@@ -592,6 +597,18 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
         return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
         return json_error(mesh.name, fault);
+    }
+}
+
+Expected<MeshFile> without_skins(const MeshFile& mesh) {
+    try {
+        const MovedVertices at_rest{.places = mesh.vertices, .drops_skins = true};
+        return read_scene(SceneMover(static_cast<const GltfScene&>(*mesh.document), mesh, at_rest).document(),
+                          mesh.name);
+    } catch (const GltfFault& fault) {
+        return FileError{mesh.name + ": " + fault.what()};
+    } catch (const GltfJson::exception& fault) {
+        return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
     }
 }
 

@@ -105,11 +105,6 @@ public:
     static Point3 morphed(const GltfVertices& run, std::span<const double> weights, std::size_t vertex);
     /// World positions of all vertices.
     std::vector<Point3> positions(const GltfPose& pose) const;
-
-    /// The pose of an animation at a time in seconds (3.11).
-    GltfPose pose_at(GltfIndex animation, double seconds) const;
-    /// The last key of an animation, in seconds.
-    double length_of(GltfIndex animation) const;
 };
 
 /// Reads the default scene of a document.
@@ -119,6 +114,10 @@ public:
 ///             use has vertices for each node. Its document is a GltfScene
 ///   fails     if the document is broken, or has no vertices in the scene
 Expected<MeshFile> read_scene(GltfDocument document, const std::string& name);
+
+/// A mesh of a GltfScene whose skins are replaced by the positions, normals and tangents at rest. Fails as
+/// GltfScene::moved().
+Expected<MeshFile> without_skins(const MeshFile& mesh);
 
 /// As read_scene(), from the contents of a .gltf or .glb file.
 Expected<MeshFile> parse_gltf(std::string bytes, const std::string& path);

@@ -250,7 +250,8 @@ public:
             parts_.face_materials.push_back(number_of(material, used_, parts_.materials.size()));
             if (parts_.face_materials.back() == parts_.materials.size()) add_material(material, line);
         }
-        if (file_.text.empty()) { // of another format
+        if (parts_.face_objects.size() != file_.faces.size()) { // of another format
+            parts_.unused.clear();
             parts_.objects.push_back(object);
             parts_.face_objects.resize(file_.faces.size());
             parts_.face_materials.resize(file_.faces.size());
