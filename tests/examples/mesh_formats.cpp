@@ -4,6 +4,7 @@
 #include "../support/cages.hpp"
 
 #include "files/gltf_figure.hpp"
+#include "files/obj_parts.hpp"
 #include "files/ply_file.hpp"
 #include "files/ply_mesh.hpp"
 #include "files/posed_file.hpp"

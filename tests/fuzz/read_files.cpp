@@ -16,6 +16,7 @@
 #include "files/lottie_file.hpp"
 #include "files/marker_file.hpp"
 #include "files/medit_file.hpp"
+#include "files/obj_parts.hpp"
 #include "files/ply_mesh.hpp"
 #include "files/stl_file.hpp"
 
