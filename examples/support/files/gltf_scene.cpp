@@ -1,5 +1,6 @@
 #include "files/gltf_scene.hpp"
 
+#include "files/gltf_animation.hpp"
 #include "io/csv.hpp"
 #include "svg/css_colour.hpp"
 
@@ -559,6 +560,9 @@ Expected<MeshFile> read_scene(GltfDocument document, const std::string& name) {
     mesh.name = name;
     try {
         SceneReader(*scene, mesh).read();
+        for (GltfIndex a = 0; a < scene->document.array("animations").size(); ++a) {
+            if (const auto read = GltfAnimation::read(*scene, a, name); !read) return read.error();
+        }
     } catch (const GltfFault& fault) {
         return FileError{name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
