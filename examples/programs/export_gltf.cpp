@@ -180,14 +180,12 @@ void add_surface(const MeshFile& figure, std::span<const Point3> right, std::spa
 /// The figure as a player of the file shows it, with the vertices of the cage as translating joints.
 void play_skin(const Scene& scene, const SkinWeights& skin, cageform::StridedPoints<const double, 3> pose,
                std::span<Point3> places) {
-    const auto stored = [&](const Point3& p) {
-        return cageform::vec_cast<double>(cageform::vec_cast<float>(p));
-    };
     std::vector<Point3> moves;
     for (std::size_t j = 0; j < scene.cage.vertices.size(); ++j)
-        moves.push_back(stored(pose[j] - scene.origin) - stored(scene.cage.vertices[j] - scene.origin));
+        moves.push_back(rounded_to_single(pose[j] - scene.origin) -
+                        rounded_to_single(scene.cage.vertices[j] - scene.origin));
     for (std::size_t i = 0; i < places.size(); ++i) {
-        const Point3 rest = stored(scene.stored.vertices[i]);
+        const Point3 rest = rounded_to_single(scene.stored.vertices[i]);
         const std::size_t first = i * skin.influences;
         places[i] = skin.weights[first] == 0 ? rest + scene.origin : Point3{}; // the fixed joint
         for (std::size_t k = first; k < first + skin.influences; ++k)

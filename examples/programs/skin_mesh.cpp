@@ -359,8 +359,7 @@ Skin skin_of(const Arguments& given, const MeshFile& figure, const std::vector<B
 MeshFile shown_figure(const MeshFile& figure, const MeshFile& stored, const Point3& origin) {
     MeshFile shown = figure;
     for (std::size_t i = 0; i < shown.vertices.size(); ++i)
-        shown.vertices[i] =
-            cageform::vec_cast<double>(cageform::vec_cast<float>(stored.vertices[i])) + origin;
+        shown.vertices[i] = rounded_to_single(stored.vertices[i]) + origin;
     return shown;
 }
 

@@ -147,7 +147,7 @@ for share in np.linspace(0, 1, 7):
     if share == 0: rest, size = b, np.linalg.norm(np.ptp(b, axis=0))
     off, moved = np.abs(a - b).max() / size, max(moved, np.abs(b - rest).max() / size)
     if not off <= float(sys.argv[2]): sys.exit("%s of the size apart" % off)
-sys.exit(moved < 0.05)
+sys.exit(int(moved < 0.05))
 END
 }
 # shellcheck disable=SC2086

@@ -40,7 +40,7 @@ void round_to_single(FittedMotion& motion) {
     const auto round = [](auto& values) {
         for (auto& value : values) {
             for (std::size_t k = 0; k < sizeof(value) / sizeof(double); ++k)
-                value[k] = double(float(value[k]));
+                value[k] = rounded_to_single(value[k]);
         }
     };
     round(motion.skeleton.joints);
@@ -73,7 +73,7 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
         auto& places = motion.played.emplace_back();
         for (std::size_t i = 0; i < frames.rest.size(); ++i) {
             const Point3& rest = frames.rest[i];
-            places.push_back(played.place(0, i, cageform::vec_cast<double>(cageform::vec_cast<float>(rest))));
+            places.push_back(played.place(0, i, rounded_to_single(rest)));
             const Point3 d = places[i] - frames.places[t][i];
             const double distance = std::hypot(d[0], d[1], d[2]);
             squares += distance * distance;

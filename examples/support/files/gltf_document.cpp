@@ -749,12 +749,16 @@ FileError json_error(const std::string& path, const GltfJson::exception& fault) 
 }
 
 Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string& path, OutputFiles& outputs) {
-    const auto files = document.files(path);
-    if (!files) return files.error();
     std::size_t bytes = 0;
-    for (const WrittenFile& file : *files) {
-        outputs.add(file.path).write(file.bytes);
-        bytes += file.bytes.size();
+    try {
+        const auto files = document.files(path);
+        if (!files) return files.error();
+        for (const WrittenFile& file : *files) {
+            outputs.add(file.path).write(file.bytes);
+            bytes += file.bytes.size();
+        }
+    } catch (const GltfJson::exception& fault) {
+        return FileError{path + ": the document is not valid: " + fault.what()};
     }
     return bytes;
 }

@@ -21,6 +21,10 @@ public:
         , gltf_{scene.document, {}, {}, {}, {}} {}
 
     GltfFigure make(GltfMotion motion) {
+        if (motion == GltfMotion::drop)
+            gltf_.document.json.erase("animations");
+        else
+            check_animations();
         separate_meshes();
         const auto worlds = scene_.worlds(scene_.rest_pose());
         for (const GltfVertices& run : scene_.runs) {
@@ -37,11 +41,26 @@ public:
             if (motion == GltfMotion::drop) drop_targets(run, surface);
             gltf_.surfaces.push_back(std::move(surface));
         }
-        if (motion == GltfMotion::drop) gltf_.document.json.erase("animations");
         return std::move(gltf_);
     }
 
 private:
+    /// Checks the targets of channels.
+    void check_animations() const {
+        for (GltfIndex a = 0; a < scene_.document.array("animations").size(); ++a) {
+            const std::string user = "animation " + std::to_string(a);
+            const GltfJson& animation = scene_.document.object("animations", a, user);
+            if (!animation.contains("channels") || !animation["channels"].is_array())
+                throw GltfFault(user + ": has no list of channels");
+            for (const GltfJson& channel : animation["channels"]) {
+                if (!channel.is_object() || !channel.contains("target") || !channel["target"].is_object())
+                    throw GltfFault(user + ": a channel has no target");
+                (void)channel["target"].value("node", gltf_none);
+                (void)channel["target"].value("path", "");
+            }
+        }
+    }
+
     /// Copies meshes that several nodes use.
     void separate_meshes() {
         std::set<GltfIndex> used;

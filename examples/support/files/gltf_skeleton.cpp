@@ -58,9 +58,8 @@ GltfJoints add_joints(GltfDocument& document, const std::string& root_name, cons
     GltfJoints added{add_root(document, std::move(root)), origin, {}, {}, {}};
     for (const GltfJoint& joint : joints) {
         const bool has_parent = joint.parent != GltfJoint::no_parent;
-        const Point3 place = cageform::vec_cast<double>(cageform::vec_cast<float>(joint.place));
-        const Point3 from = cageform::vec_cast<double>(
-            cageform::vec_cast<float>(has_parent ? place - added.places[joint.parent] : place));
+        const Point3 place = rounded_to_single(joint.place);
+        const Point3 from = rounded_to_single(has_parent ? place - added.places[joint.parent] : place);
         added.places.push_back(place);
         added.nodes.push_back(
             document.append("nodes", {{"name", joint.name}, {"translation", {from[0], from[1], from[2]}}}));

@@ -284,7 +284,7 @@ Point3 far_origin(const MeshFile& figure) {
     constexpr double far_away = 8; // diagonals
     const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
     const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
-    return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
+    return is_near ? Point3{} : rounded_to_single(middle);
 }
 
 std::vector<Point3> joined_places(const MeshFile& figure) {

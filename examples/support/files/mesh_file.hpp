@@ -24,6 +24,15 @@ namespace cageform_support {
 
 using Point3 = cageform::Vec<double, 3>;
 
+/// A number rounded to single precision. `volatile`: GCC 12 with -O2 omits this rounding for pairs of numbers.
+inline double rounded_to_single(double x) {
+    const volatile float rounded = float(x);
+    return double(rounded);
+}
+inline Point3 rounded_to_single(const Point3& p) {
+    return {rounded_to_single(p[0]), rounded_to_single(p[1]), rounded_to_single(p[2])};
+}
+
 /// Help text on meshes.
 inline constexpr const char* mesh_formats =
     "Meshes are glTF, OBJ, PLY or STL files with faces of any number of corners, or Medit\n"
