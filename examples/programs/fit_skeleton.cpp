@@ -77,6 +77,8 @@ MddFile sample_animation(Arguments& given, const MeshFile& figure) {
         throw Failure(figure.name + ": has no animation: give frames, which are meshes or one MDD file");
     const GltfIndex index = value_or_fail(find_animation(*scene, given.animation, figure.name));
     const auto animation = value_or_fail(GltfAnimation::read(*scene, index, figure.name));
+    if (!animation.moves())
+        throw Failure(figure.name + ": animation " + std::to_string(index) + " moves nothing in the scene");
     if (given.rate == 0) given.rate = default_rate;
     constexpr double most = 100000;
     if (!(animation.length() * given.rate <= most))

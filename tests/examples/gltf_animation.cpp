@@ -211,15 +211,13 @@ TEST_CASE("messages on broken animations name the channel and the sampler", "[ex
         change(document, json);
         document.append("animations", std::move(json));
         const auto file = read_scene(std::move(document), "in.glb");
-        const auto read = GltfAnimation::read(static_cast<const GltfScene&>(*file->document), 0, "in.glb");
-        return read ? std::string() : read.error().message;
+        return file ? std::string() : file.error().message;
     };
     const std::string channel = "in.glb: animation 0, channel 0", sampler = channel + ", sampler 0";
     CHECK(message([](auto&, auto&) {}).empty());
     CHECK(message([](auto&, GltfJson& json) { json.erase("samplers"); }) ==
           "in.glb: animation 0: has no list of channels and samplers");
-    CHECK(message([](auto&, GltfJson& json) { json["channels"] = GltfJson::array(); }) ==
-          "in.glb: animation 0: moves nothing in the scene");
+    CHECK(message([](auto&, GltfJson& json) { json["channels"] = GltfJson::array(); }).empty());
     CHECK(message([](auto&, GltfJson& json) { json["channels"][0]["target"] = 1; }) ==
           channel + ": has no target");
     CHECK(message([](auto&, GltfJson& json) { json["channels"][0]["target"]["node"] = 7; }) ==

@@ -15,6 +15,8 @@ public:
     ///   fails   if the document has no such animation, or if it is invalid
     static Expected<GltfAnimation> read(const GltfScene& scene, GltfIndex animation, const std::string& name);
 
+    /// Whether it moves a node or morph target of the scene.
+    bool moves() const { return !channels_.empty(); }
     /// The last key, in seconds.
     double length() const { return length_; }
 

@@ -214,9 +214,11 @@ private:
         bool is_moved = false;
         for (std::size_t j = 0; j < skin.joints.size(); ++j) {
             Affine3 bind = skin.inverse_binds[j];
-            const auto to_joint = inverse(worlds_[skin.joints[j]]);
-            if (const Point3& shift = shifts_[skin.joints[j]]; to_joint && shift != Point3{}) {
-                bind.translation = bind.translation - to_joint->map_vector(shift - common_shift_);
+            const Point3 shift = shifts_[skin.joints[j]] - common_shift_;
+            if (const auto to_joint = inverse(worlds_[skin.joints[j]]); !to_joint) {
+                flat_shifts_.insert({skin.joints[j], shift});
+            } else if (shift != Point3{}) {
+                bind.translation = bind.translation - to_joint->map_vector(shift);
                 is_moved = true;
             }
             auto& matrix = matrices.emplace_back();
@@ -270,8 +272,7 @@ private:
                      bool bakes, MovedRun& result) {
         const std::size_t vertex = run.first + i;
         const bool is_left_out = std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), vertex);
-        const Point3 rest = mesh_.vertices[vertex],
-                     shift = run.influences > 0 ? common_shift_ : shifts_[run.node];
+        const Point3 rest = mesh_.vertices[vertex], shift = shift_of(run, i);
         const Point3 now =
             is_left_out || is_same_place(rest, moved_.places[vertex]) ? rest : moved_.places[vertex];
         const Point3 morphs = GltfScene::morphed(run, run.weights, i) - run.places[i];
@@ -290,6 +291,19 @@ private:
         result.places.push_back(single(place));
         if (run.normal != gltf_none) move_normal(run, i, map, back, jacobian, result);
         if (run.tangent != gltf_none) move_tangent(i, map, back, jacobian, result);
+    }
+
+    /// The translation of a vertex in world space by its node or joints.
+    Point3 shift_of(const GltfVertices& run, std::size_t i) const {
+        if (run.influences == 0) return shifts_[run.node];
+        Point3 shift = common_shift_;
+        if (flat_shifts_.empty()) return shift;
+        const auto& joints = scene_.skins[scene_.nodes[run.node].skin].joints;
+        for (std::size_t k = i * run.influences; k < (i + 1) * run.influences; ++k) {
+            const auto found = flat_shifts_.find(joints[run.joints[k]]);
+            if (found != flat_shifts_.end()) shift = shift + run.joint_weights[k] * found->second;
+        }
+        return shift;
     }
 
     /// Whether positions are equal up to rounding, so that a figure at rest keeps its bytes.
@@ -341,7 +355,7 @@ private:
             const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
             const bool is_kept = step == Point3{} || !(length > 0);
             result.targets[t][1].push_back(
-                single(is_kept ? step : unless_same(step, (norm(own) / length) * carried(step), bakes)));
+                single(is_kept ? step : unless_same(step, (norm(normal) / length) * carried(step), bakes)));
         }
     }
 
@@ -371,7 +385,7 @@ private:
             const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
             const bool is_kept = step == Point3{} || !(length > 0);
             result.targets[t][2].push_back(
-                single(is_kept ? step : unless_same(step, (norm(own) / length) * carried(step), false)));
+                single(is_kept ? step : unless_same(step, (norm(tangent) / length) * carried(step), false)));
         }
     }
 
@@ -571,10 +585,11 @@ private:
     GltfDocument document_; // the output
     std::vector<Affine3> worlds_;
     MovedNormals normals_;
-    std::vector<Point3> shifts_; // #nodes: translation in world space
-    Point3 common_shift_{};      // translation of all joints in world space, if they move in no other way
-    double skeleton_scale_ = 1;  // of distances between joints
-    double rounding_;            // of positions in world space
+    std::vector<Point3> shifts_;              // #nodes: translation in world space
+    std::map<GltfIndex, Point3> flat_shifts_; // of joints without an inverse, whose bind matrices stay
+    Point3 common_shift_{};     // translation of all joints in world space, if they move in no other way
+    double skeleton_scale_ = 1; // of distances between joints
+    double rounding_;           // of positions in world space
     std::vector<double> own_normals_, own_tangents_;              // of the current run
     std::vector<std::array<std::vector<double>, 2>> own_targets_; // NORMAL and TANGENT of its targets
     std::size_t next_end_ = 0;                                    // index of the next guide of a morph target
