@@ -44,7 +44,8 @@ inline std::optional<std::string> from_base64(std::string_view text) {
         const std::uint8_t value = values[static_cast<unsigned char>(c)];
         if (value > 63) return std::nullopt;
         bits = bits << 6 | value;
-        if ((count += 6) < 8) continue;
+        count += 6;
+        if (count < 8) continue;
         count -= 8;
         bytes += char(bits >> count & 255);
     }
