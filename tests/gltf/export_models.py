@@ -123,8 +123,9 @@ def keeps(what, before, after, skin):
         check(f"{what}: keeps {name}", a == b[: len(a)])
 
 
-def morph(programs, model, stem, cage):
-    before, out, moved = Document(model), f"{stem}.morph.glb", f"{stem}.moved.glb"
+def morph(programs, model, cage):
+    stem, ending = os.path.splitext(model)
+    before, out, moved = Document(model), f"{stem}.morph{ending}", f"{stem}.moved{ending}"
     what, options = out, ["--cage", cage, *POSE, "--coordinates", "mean-value"]
     if not run(what, f"{programs}/export_gltf", model, *options, "--morph", "-o", out):
         return
@@ -146,11 +147,12 @@ def morph(programs, model, stem, cage):
             check(f"{what}: animation {animation} at {time}, off by {off}", off < 1e-6)
 
 
-def skin(programs, model, stem, cage):
-    before, wanted = Document(model), f"{stem}.wanted.glb"
+def skin(programs, model, cage):
+    stem, ending = os.path.splitext(model)
+    before, wanted = Document(model), f"{stem}.wanted{ending}"
     rest = before.evaluate()
     for kind, pose, options, allowed in (("skin", POSE, ["--skin", "8"], 1e-5), ("bones", TURN, ["--bones", "1"], 1e-3)):
-        out = f"{stem}.{kind}.glb"
+        out = f"{stem}.{kind}{ending}"
         command = ["--cage", cage, *pose, "--coordinates", "mean-value"]
         if not run(out, f"{programs}/export_gltf", model, *command, *options, "-o", out):
             continue
@@ -168,9 +170,10 @@ def skin(programs, model, stem, cage):
         check(f"{out}: in the pose, off by {off}", off < allowed)
 
 
-def fit(programs, model, stem):
+def fit(programs, model):
     """The vertices at the times of the frames are as far from those of the input's animation as the program says."""
-    before, out = Document(model), f"{stem}.fitted.glb"
+    stem, ending = os.path.splitext(model)
+    before, out = Document(model), f"{stem}.fitted{ending}"
     done = subprocess.run([f"{programs}/fit_skeleton", model, "-o", out, "--bones", "3", "--rate", "24", "--report"],
                           capture_output=True, text=True)
     said = re.search(r"off by at most ([^ ]+) \(", done.stdout)
@@ -198,12 +201,12 @@ def main():
         name, ending = os.path.splitext(file)
         if ending not in (".glb", ".gltf") or name.startswith("refused") or name in WITHOUT_FACES:
             continue
-        model, stem, cage = f"{folder}/{file}", f"{folder}/{name}", f"{folder}/{name}.obj"
+        model, cage = f"{folder}/{file}", f"{folder}/{name}.obj"
         write_box(cage, Document(model).evaluate())
-        morph(programs, model, stem, cage)
-        skin(programs, model, stem, cage)
+        morph(programs, model, cage)
+        skin(programs, model, cage)
         if name in PLAYED:
-            fit(programs, model, stem)
+            fit(programs, model)
     print(f"{checks} checks, {failed} failed")
     return failed != 0
 

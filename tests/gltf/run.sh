@@ -162,6 +162,9 @@ END
   works "the animation of a document" "$programs/fit_skeleton" skin_16.glb --max-distance 1% -o document_fitted.glb
   works "a player's walk" "$programs/fit_skeleton" player.glb --animation walk --rate 20 -o player_fitted.glb
   refuses 'player.glb: has no animation "run"; it has 2' "$programs/fit_skeleton" player.glb --animation run -o out.glb
+  printf '%s\n' 'MeshVersionFormatted 2' 'Dimension 3' Vertices 4 '0 0 0 0' '1 0 0 0' '0 1 0 0' '0 0 1 0' \
+    Triangles 4 '1 3 2 0' '1 2 4 0' '2 3 4 0' '1 4 3 0' End >medit.mesh
+  refuses 'medit.mesh: is a Medit mesh, which is not written as glTF' "$export" medit.mesh --cage box --skin 8 -o out.glb
   refuses 'part.obj: has no animation: give frames' "$programs/fit_skeleton" part.obj -o out.glb
 }
 works "a document, played by the second reader" "$playback" part.obj character_cage.obj character_clip.csv document_skin.glb
@@ -470,9 +473,9 @@ issues() { # FILE…   lines with the model of a file and an error or a warning
   node "$here/validate.mjs" "$folder" "$@" | awk '/^[^ ]/ { sub(/: [0-9]+ errors.*/, ""); sub(/.*\//, ""); sub(/\..*/, ""); file = $0 }
     /^  (error|warning) / { print file, $1, $2 }' | sort -u
 }
-rm -f models/*.moved.glb models/*.wanted.glb
+rm -f models/*.moved.gl* models/*.wanted.gl*
 for model in models/*.gl*; do
-  case $model in *.*.glb) echo "$model" >>outputs ;; *) echo "$model" >>inputs ;; esac
+  case $model in *.*.gl*) echo "$model" >>outputs ;; *) echo "$model" >>inputs ;; esac
 done
 # shellcheck disable=SC2046  # names without spaces
 issues $(cat inputs) >before && issues $(cat outputs) >after

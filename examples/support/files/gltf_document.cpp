@@ -758,7 +758,7 @@ Expected<std::size_t> save_gltf(const GltfDocument& document, const std::string&
             bytes += file.bytes.size();
         }
     } catch (const GltfJson::exception& fault) {
-        return FileError{path + ": the document is not valid: " + fault.what()};
+        return json_error(path, fault);
     }
     return bytes;
 }

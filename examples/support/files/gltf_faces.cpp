@@ -284,7 +284,10 @@ void add_object(GltfFigure& gltf, const MeshFile& figure, const ObjParts& parts,
 } // namespace
 
 Expected<GltfFigure> figure_of_faces(const MeshFile& figure, const std::string& generator) {
-    if (figure.triangles.empty()) return FileError{figure.name + ": holds no faces"};
+    if (figure.faces.empty())
+        return FileError{figure.name + (figure.triangles.empty()
+                                            ? ": holds no faces"
+                                            : ": is a Medit mesh, which is not written as glTF")};
     const auto texture = read_texture(figure);
     if (!texture) return texture.error();
     const ObjParts parts = read_parts(figure);

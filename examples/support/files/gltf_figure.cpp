@@ -21,10 +21,7 @@ public:
         , gltf_{scene.document, {}, {}, {}, {}} {}
 
     GltfFigure make(GltfMotion motion) {
-        if (motion == GltfMotion::drop)
-            gltf_.document.json.erase("animations");
-        else
-            check_animations();
+        if (motion == GltfMotion::drop) gltf_.document.json.erase("animations");
         separate_meshes();
         const auto worlds = scene_.worlds(scene_.rest_pose());
         for (const GltfVertices& run : scene_.runs) {
@@ -45,22 +42,6 @@ public:
     }
 
 private:
-    /// Checks the targets of channels.
-    void check_animations() const {
-        for (GltfIndex a = 0; a < scene_.document.array("animations").size(); ++a) {
-            const std::string user = "animation " + std::to_string(a);
-            const GltfJson& animation = scene_.document.object("animations", a, user);
-            if (!animation.contains("channels") || !animation["channels"].is_array())
-                throw GltfFault(user + ": has no list of channels");
-            for (const GltfJson& channel : animation["channels"]) {
-                if (!channel.is_object() || !channel.contains("target") || !channel["target"].is_object())
-                    throw GltfFault(user + ": a channel has no target");
-                (void)channel["target"].value("node", gltf_none);
-                (void)channel["target"].value("path", "");
-            }
-        }
-    }
-
     /// Copies meshes that several nodes use.
     void separate_meshes() {
         std::set<GltfIndex> used;
@@ -139,7 +120,7 @@ Expected<GltfFigure> gltf_figure(const MeshFile& figure, const std::string& gene
     } catch (const GltfFault& fault) {
         return FileError{figure.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{figure.name + ": is not a valid glTF document: " + fault.what()};
+        return json_error(figure.name, fault);
     }
 }
 
@@ -360,7 +341,7 @@ Expected<std::vector<GltfMorphs>> add_targets(GltfFigure& gltf, const MeshFile& 
     } catch (const GltfFault& fault) {
         return FileError{figure.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{figure.name + ": is not a valid glTF document: " + fault.what()};
+        return json_error(figure.name, fault);
     }
     return nodes;
 }

@@ -623,7 +623,7 @@ Expected<MeshFile> without_skins(const MeshFile& mesh) {
     } catch (const GltfFault& fault) {
         return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {
-        return FileError{mesh.name + ": is not a valid glTF document: " + fault.what()};
+        return json_error(mesh.name, fault);
     }
 }
 

@@ -250,8 +250,7 @@ public:
             parts_.face_materials.push_back(number_of(material, used_, parts_.materials.size()));
             if (parts_.face_materials.back() == parts_.materials.size()) add_material(material, line);
         }
-        if (parts_.face_objects.size() != file_.faces.size()) { // of another format
-            parts_.unused.clear();
+        if (file_.text.empty()) { // of another format
             parts_.objects.push_back(object);
             parts_.face_objects.resize(file_.faces.size());
             parts_.face_materials.resize(file_.faces.size());
