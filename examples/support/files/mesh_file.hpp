@@ -24,7 +24,8 @@ namespace cageform_support {
 
 using Point3 = cageform::Vec<double, 3>;
 
-/// A number rounded to single precision. `volatile`: GCC 12 with -O2 omits this rounding for pairs of numbers.
+/// A number rounded to single precision. `volatile`: GCC 12 with -O2 omits this rounding for pairs of
+/// numbers.
 inline double rounded_to_single(double x) {
     const volatile float rounded = float(x);
     return double(rounded);
