@@ -364,5 +364,6 @@ int run_program(int argc, char** argv) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control.cage.vertices.size()));
     }
+    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return deform_figure(given, figure, std::move(control));
 }
