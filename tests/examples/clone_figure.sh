@@ -113,7 +113,7 @@ refuses 'has 112 vertices, the figure' "$clone" character.figure --poses poses.c
 refuses '"3:2" is no range of rows' "$clone" character.figure --poses poses.csv --rows 3:2 "$to"
 refuses 'several rows would have one name' "$clone" character.figure --poses poses.csv -o out.ply
 refuses 'write %06d once' "$clone" character.figure --poses poses.csv -o 'out.%s.ply'
-refuses 'does not end with .ply' "$clone" character.figure --poses poses.csv -o 'out.%d.stl'
+refuses '-o out.%d.stl: needs --mesh, an STL file' "$clone" character.figure --poses poses.csv -o 'out.%d.stl'
 refuses '--flip-faces: character.figure is written without faces' "$clone" character.figure --poses poses.csv --flip-faces -o 'out.%d.npy'
 refuses '--flip-faces: character.obj is written without faces' "$clone" character.figure --poses poses.csv --mesh character.obj --flip-faces -o 'out.%d.npy'
 refuses '--ascii: only .ply files' "$clone" character.figure --poses poses.csv --ascii -o 'out.%d.npy'

@@ -2322,7 +2322,7 @@ printf 'v 0 0 0\nv 1 0 0\n' >bad.obj
 refuses 'bad.obj: the pose has 2 points, sites.obj 9' "$mesh" figure.obj --cage sites.obj --pose bad.obj --coordinates sibson -o out.obj
 refuses 'bad.obj: holds too few points, 2: in space four are needed' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
-refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'v 4 and v 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
 echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10"><path d="M9 9 L7 7"/></svg>' >half_out.svg
 works "surrounded in the plane" "$deform" half_out.svg --cage circles.svg --pose circles_pose.svg --coordinates sibson --surround 0.25 -o circled.svg
@@ -2439,7 +2439,7 @@ done
 refuses '"out.png" does not end with .svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o out.png
 refuses '"out" does not end with .svg' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out
 refuses '"out.svg" does not end with .png' "$field" --cage "$cage" --vertex 8 -o out.svg
-refuses '"out.ply" does not end with .obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.ply
+refuses '-o out.ply: the figure figure.obj is written as .obj' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.ply
 refuses '"out.jpg" does not end with .png' "$mesh" figure.obj --cage box.obj --pose box.obj -o out.obj --picture out.jpg
 refuses '"out.txt" does not end with .csv' "$weights" --cage square.csv --points middle.csv -o out.txt
 refuses '"out.bin" does not end with .figure' "$bind" character.obj --cage character_cage.obj -o out.bin
