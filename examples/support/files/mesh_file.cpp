@@ -175,6 +175,9 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
     std::string_view format = detail::other_format(*bytes);
+    if (format == "UTF-16") {
+        if (const auto text = read_text(name); !text) return text.error();
+    }
     const std::string extension = lowercase_extension(path);
     if (format.empty() && extension == ".ply") format = "PLY";
     if (format.empty() && extension == ".stl") format = "STL";
