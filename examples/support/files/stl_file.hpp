@@ -18,8 +18,8 @@ bool is_binary_stl(std::string_view bytes);
 ///
 ///   name      prefix of every message
 ///   returns   vertices in the order of their first corners, a face for each triangle (also without area),
-///             and the document. It has no normals, since those of the file are of faces: the document
-///             writes the normals of moved triangles, and keeps those that are zero
+///             and the document. The mesh has no normals, since an STL file has normals of faces. The
+///             document writes the normals of moved triangles, and keeps normals of zero.
 ///   fails     if there are no triangles, the file is cut off, a coordinate is not finite, or a facet of an
 ///             ASCII file does not have three corners; the error has the line
 Expected<MeshFile> parse_stl(std::string bytes, std::string name);
