@@ -303,6 +303,7 @@ refuses 'named.obj is written as .stl' "$mesh" named.obj --cage box.stl --pose b
 refuses 'empty.ply: is empty' "$mesh" empty.ply --cage box.stl --pose box.stl -o out.ply
 refuses 'cut.ply: is cut off in face 0' "$mesh" cut.ply --cage box.stl --pose box.stl -o out.ply
 refuses 'figure.ply: is no PLY file' "$mesh" figure.ply --cage box.stl --pose box.stl -o out.ply
+refuses 'face 1 differs: the pose box.stl' "$mesh" inner.ply --cage box.obj --pose box.stl -o out.ply
 cd ..
 
 # ---- none is forgotten ----
