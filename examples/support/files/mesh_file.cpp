@@ -21,16 +21,22 @@ namespace cageform_support {
 namespace detail {
 
 std::string_view other_format(std::string_view text) {
+    if (is_binary_stl(text)) return "STL";
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3); // a byte order mark
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
     const std::string_view begin = text.substr(0, 512);
     const auto begins_with_word = [&](std::string_view word) {
         return begin.starts_with(word) && begin.size() > word.size() &&
                std::strchr(" \t\r\n", begin[word.size()]) != nullptr;
     };
-    if (is_binary_stl(text)) return "STL";
     if (begins_with_word("solid") || begins_with_word("SOLID")) return "STL";
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
+    if (begin.starts_with('{') || begin.starts_with('[')) return "JSON";
     if (begins_with_word("ply")) return "PLY";
+    for (const std::string_view first : {"<svg", "<?xml", "<!--", "<!DOCTYPE svg"}) {
+        if (begin.starts_with(first) && text.find("<svg") != text.npos) return "SVG";
+    }
     constexpr std::pair<std::string_view, std::string_view> known[] = {
         {"\xff\xfe", "UTF-16"},
         {"\xfe\xff", "UTF-16"},
@@ -167,6 +173,17 @@ bool is_medit(std::string_view text) {
     return ObjScanner(text).next(words, line) && words[0] == medit_keyword;
 }
 
+/// Whether a file is text with `v` statements.
+bool has_obj_vertices(std::string_view text) {
+    if (text.substr(0, 512).find('\0') != text.npos) return false;
+    std::vector<std::string_view> words;
+    std::size_t line = 0;
+    for (ObjScanner scanner(text); scanner.next(words, line);) {
+        if (words[0] == "v") return true;
+    }
+    return false;
+}
+
 } // namespace detail
 
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays) {
@@ -178,13 +195,17 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
     if (format == "UTF-16") {
         if (const auto text = read_text(name); !text) return text.error();
     }
-    const std::string extension = lowercase_extension(path);
-    if (format.empty() && extension == ".ply") format = "PLY";
-    if (format.empty() && extension == ".stl") format = "STL";
-    if (format == "glTF") return parse_gltf(std::move(*bytes), name);
+    if (format.empty() && detail::is_medit(*bytes)) format = "Medit";
+    if (format.empty() && !detail::has_obj_vertices(*bytes)) { // the parser of the extension says why
+        const std::string extension = lowercase_extension(path);
+        if (extension == ".ply") format = "PLY";
+        if (extension == ".stl") format = "STL";
+        if (extension == ".mesh") format = "Medit";
+    }
+    if (format == "glTF" || format == "JSON") return parse_gltf(std::move(*bytes), name);
     if (format == "PLY") return parse_ply(std::move(*bytes), name, strays);
     if (format == "STL") return parse_stl(std::move(*bytes), name);
-    if (detail::is_medit(*bytes) || extension == ".mesh") return parse_medit(std::move(*bytes), name, strays);
+    if (format == "Medit") return parse_medit(std::move(*bytes), name, strays);
     return parse_obj(std::move(*bytes), name, strays);
 }
 
@@ -206,7 +227,7 @@ std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
     const auto own = extensions_of(mesh);
     if (std::find(own.begin(), own.end(), lowercase_extension(out)) != own.end()) return {};
     return "-o " + out + ": the figure " + mesh.name + " is written as " + own[0] +
-           (own.size() > 1 ? " or " + own[1] : "");
+           (own.size() > 1 ? " or " + own[1] : "") + ", since the output has the format of the figure";
 }
 
 std::string fault_of_reversing(const MeshFile& mesh) {

@@ -106,10 +106,11 @@ public:
     std::optional<FileError> read() {
         if (auto error = read_vertices()) return error;
         if (file_.vertices.empty()) {
-            const std::string_view format = other_format(file_.text);
-            return FileError{
-                file_.name + ": holds no vertices (lines \"v x y z\")" +
-                (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
+            const std::string format = likely_format();
+            return FileError{file_.name + ": holds no vertices: it " +
+                             (format.empty() ? "is no glTF, PLY, STL or Medit file, and has no OBJ lines "
+                                               "\"v x y z\""
+                                             : format)};
         }
         complete_colours();
         if (auto error = read_faces()) return error;
@@ -121,10 +122,17 @@ public:
 
 private:
     FileError refuse(const std::string& why) const {
-        const std::string_view format = other_format(file_.text);
-        if (!format.empty())
-            return FileError{file_.name + ": looks like a file of the format " + std::string(format)};
+        const std::string format = likely_format();
+        if (!format.empty()) return FileError{file_.name + ": " + format};
         return FileError{file_.name + ": " + why, line_};
+    }
+
+    /// "looks like a file of the format FBX"; empty if no other format is known.
+    std::string likely_format() const {
+        const std::string_view format = other_format(file_.text);
+        if (format.empty()) return {};
+        return "looks like a file of the format " + std::string(format) +
+               (format == "SVG" ? ", which deform_svg reads" : "");
     }
 
     std::optional<FileError> read_vertices() {

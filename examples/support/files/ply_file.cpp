@@ -140,13 +140,14 @@ std::string ReplacedNumbers::replace(const PlacedNumber& number, PlyType type, d
     if (now == number.value) return {};
     if (type < PlyType::float32)
         return "has the type " + std::string(name_of(type)) + ", which cannot store its moved value";
-    const bool is_text = encoding_ == PlyEncoding::ascii;
-    if (!std::isfinite(is_text || type == PlyType::float64 ? now : double(float(now))))
+    const bool is_single = type == PlyType::float32;
+    if (!std::isfinite(is_single ? double(float(now)) : now))
         return "exceeds the range of its type after the move";
+    if (is_single && float(now) == float(number.value)) return {};
     keep_to(number.begin);
     copied_ = number.end;
-    if (is_text) {
-        detail::append_digits(result_, now);
+    if (encoding_ == PlyEncoding::ascii) {
+        is_single ? detail::append_digits(result_, float(now)) : detail::append_digits(result_, now);
         return {};
     }
     append_number(result_, type, now);
@@ -204,6 +205,8 @@ std::string parse_ply_line(std::string_view line, PlyHeader& header) {
         const auto name = std::find(names.begin(), names.end(), words.size() > 1 ? words[1] : "");
         if (name == names.end())
             return "the format is none of ascii, binary_little_endian, binary_big_endian";
+        if (words.size() > 2 && words[2] != "1.0")
+            return "the version of the format is " + detail::quoted(words[2]) + "; version 1.0 is read";
         header.encoding = PlyEncoding(name - names.begin());
     } else if (words[0] == "element") {
         PlyElement element;
@@ -264,7 +267,7 @@ bool PlyReader::fill(std::size_t bytes) {
 std::optional<std::string_view> PlyReader::take_line() {
     std::size_t end = std::string::npos;
     for (std::size_t searched = 0; end == std::string::npos;) {
-        end = text_.find('\n', at_ + searched);
+        end = text_.find(line_end_, at_ + searched);
         if (end != std::string::npos) break;
         searched = text_.size() - at_;
         if (searched > longest_ply_line) return std::nullopt;
@@ -282,6 +285,7 @@ std::optional<std::string_view> PlyReader::take_line() {
 bool PlyReader::read_header() {
     if (!fill(4) || !(text_.starts_with("ply\n") || text_.starts_with("ply\r")))
         return fail("is no PLY file: it does not begin with \"ply\"");
+    if (text_[3] == '\r' && fill(5) && text_[4] != '\n' && text_[4] != '\r') line_end_ = '\r';
     (void)take_line();
     while (const auto line = take_line()) {
         if (is_end_of_ply_header(*line))

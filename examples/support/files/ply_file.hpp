@@ -43,9 +43,8 @@ public:
     /// The bytes must outlive this object.
     ReplacedNumbers(std::string_view bytes, PlyEncoding encoding);
 
-    /// Replaces a number of a type. A number that is equal keeps its bytes. In ASCII, it gets the fewest
-    /// digits that restore it in double precision. Returns the error if the type cannot store it; else
-    /// empty.
+    /// Replaces a number of a type. A number that is equal in its type keeps its bytes. In ASCII, it gets the
+    /// fewest digits that restore it in its type. Returns the error if the type cannot store it; else empty.
     std::string replace(const PlacedNumber& number, PlyType type, double now);
     /// Replaces the bytes of a number by those of another.
     void replace(const PlacedNumber& number, const PlacedNumber& by);
@@ -151,6 +150,7 @@ private:
     std::string_view text_; // the buffer, or all bytes of a file in memory
     std::size_t at_ = 0;    // in the text
     std::uint64_t line_ = 0;
+    char line_end_ = '\n';
     std::size_t element_ = 0;                          // index of the current element
     std::uint64_t position_ = 0;                       // next record of it
     std::vector<std::size_t> chosen_;                  // selected properties, in the order of the caller

@@ -20,6 +20,18 @@ std::uint64_t declared_triangles(std::string_view bytes) {
     return std::uint64_t(number_at(bytes, stl_title, PlyType::uint32, PlyEncoding::little_endian));
 }
 
+/// The position after the triangles that a binary file declares.
+std::uint64_t end_of_triangles(std::string_view bytes) {
+    return stl_head + declared_triangles(bytes) * stl_triangle;
+}
+
+/// Whether the head has bytes that no text has: the number of triangles of a file of 2 GB has one.
+bool is_binary_head(std::string_view head) {
+    return std::any_of(head.begin(), head.end(), [](char c) {
+        return c >= 0 && c < ' ' && stl_blanks.find(c) == std::string_view::npos;
+    });
+}
+
 struct StlFacet {
     std::array<PlacedNumber, 3> normal;
     std::array<std::array<PlacedNumber, 3>, 3> corners;
@@ -41,21 +53,16 @@ public:
         , is_binary_(is_binary_stl(bytes)) {
         if (is_binary_) {
             at_ = stl_head;
+            bytes_ = bytes.substr(0, std::size_t(end_of_triangles(bytes)));
             return;
         }
-        if (is_word(next_word(), "solid")) {
+        if (bytes.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
+        const bool is_solid = is_word(next_word(), "solid");
+        if (is_solid && !is_binary_head(bytes.substr(0, stl_head))) {
             skip_line();
             return;
         }
-        const std::size_t size = bytes.size();
-        if (size < stl_head) {
-            (void)refuse("is no STL file: it does not begin with \"solid\", and is too short to be binary");
-        } else {
-            (void)refuse("is no STL file, or cut off: it declares " +
-                         std::to_string(declared_triangles(bytes)) + " triangles, but has " +
-                         std::to_string(size) + " bytes");
-        }
-        error_->line = 0;
+        refuse_binary(is_solid);
     }
 
     /// The next facet; false at the end and after an error.
@@ -77,6 +84,22 @@ public:
     PlyEncoding encoding() const { return is_binary_ ? PlyEncoding::little_endian : PlyEncoding::ascii; }
 
 private:
+    void refuse_binary(bool is_solid) {
+        const std::string size = std::to_string(bytes_.size());
+        std::string why = "is no STL file: it does not begin with \"solid\", and is too short to be binary";
+        if (bytes_.size() < stl_head) {
+            if (is_solid) why = "is cut off: it has " + size + " bytes, and the head of a binary STL file 84";
+        } else if (const auto triangles = declared_triangles(bytes_); triangles == 0) {
+            why = "holds no triangles: its head declares 0, and it has " + size + " bytes";
+        } else {
+            why = "is no STL file, or cut off: its head declares " + std::to_string(triangles) +
+                  " triangles, which need " + std::to_string(end_of_triangles(bytes_)) +
+                  " bytes, but it has " + size;
+        }
+        (void)refuse(why);
+        error_->line = 0;
+    }
+
     bool refuse(const std::string& why) {
         error_ = FileError{name_ + ": " + why, line_};
         return false;
@@ -201,6 +224,9 @@ std::optional<Point3> normal_of(const StlFacet& facet, const MeshFace& face, con
 Expected<MovedFile> StlDocument::moved(const MeshFile& mesh, const MovedVertices& moved,
                                        const std::filesystem::path& path) const {
     StlReader reader(bytes_, mesh.name);
+    // ASCII files have no declared precision: double only where single precision is too coarse.
+    const bool is_single =
+        reader.encoding() != PlyEncoding::ascii || rounding_fault(mesh.name, moved.places).empty();
     ReplacedNumbers result(bytes_, reader.encoding());
     StlFacet facet;
     for (std::size_t f = 0; reader.next(facet); ++f) {
@@ -208,7 +234,7 @@ Expected<MovedFile> StlDocument::moved(const MeshFile& mesh, const MovedVertices
         std::string why;
         const auto replace = [&](const std::array<PlacedNumber, 3>& numbers, const Point3& now) {
             for (std::size_t k = 0; k < 3 && why.empty(); ++k)
-                why = result.replace(numbers[k], PlyType::float32, now[k]);
+                why = result.replace(numbers[k], is_single ? PlyType::float32 : PlyType::float64, now[k]);
         };
         if (const auto normal = normal_of(facet, face, mesh, moved.places)) replace(facet.normal, *normal);
         for (std::size_t n = 0; n < 3; ++n) replace(facet.corners[n], moved.places[face.corners[n].vertex]);
@@ -234,7 +260,8 @@ std::shared_ptr<const MeshDocument> StlDocument::with_faces_reversed() const {
 
 std::string StlDocument::others() const {
     std::size_t attributes = 0;
-    for (std::size_t at = stl_head; is_binary_stl(bytes_) && at < bytes_.size(); at += stl_triangle)
+    for (std::size_t at = stl_head; is_binary_stl(bytes_) && at < end_of_triangles(bytes_);
+         at += stl_triangle)
         attributes +=
             number_at(bytes_, at + stl_triangle - 2, PlyType::uint16, PlyEncoding::little_endian) != 0 ? 1
                                                                                                        : 0;
@@ -254,7 +281,8 @@ struct PlaceHash {
 } // namespace
 
 bool is_binary_stl(std::string_view bytes) {
-    return bytes.size() > stl_head && bytes.size() == stl_head + declared_triangles(bytes) * stl_triangle;
+    return bytes.size() > stl_head && declared_triangles(bytes) > 0 &&
+           bytes.size() >= end_of_triangles(bytes);
 }
 
 Expected<MeshFile> parse_stl(std::string bytes, std::string name) {
@@ -264,8 +292,8 @@ Expected<MeshFile> parse_stl(std::string bytes, std::string name) {
     auto document = std::make_shared<StlDocument>(std::move(bytes));
     StlReader reader(document->bytes(), file.name);
     std::unordered_map<Point3, std::uint32_t, PlaceHash> known;
-    const std::size_t expected =
-        document->bytes().size() / (is_binary_stl(document->bytes()) ? stl_triangle : 200);
+    const std::string_view all = document->bytes();
+    const std::size_t expected = is_binary_stl(all) ? std::size_t(declared_triangles(all)) : all.size() / 200;
     file.faces.reserve(expected);
     known.reserve(expected / 2); // a closed mesh has half as many vertices as triangles
     for (StlFacet facet; reader.next(facet);) {
