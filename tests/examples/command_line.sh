@@ -1148,7 +1148,7 @@ no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-300 0 0' 'v 0 1e-300
 no_mesh_cage 'vertex index 9 is out of range: the file has 3 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 9'
 no_mesh_cage 'vertex index -4 is out of range: the file has 3 before this line (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 -4'
 no_mesh_cage 'a vertex index is 0; indices count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'
-no_mesh_cage 'holds no vertices (lines "v x y z")' 'no mesh'
+no_mesh_cage 'holds no vertices: it is no glTF, PLY, STL or Medit file, and has no OBJ lines' 'no mesh'
 no_mesh_cage 'no cage around the figure was found: a margin of 0.0282843 at coordinates of 1e+15 is below' 'v 1e15 0 0' 'v 1000000000000001 0 0' 'v 1e15 1 0' 'f 1 2 3'
 no_mesh_cage 'a face has fewer than three corners (line 3)' 'v 0 0 0' 'v 1 0 0' 'f 1 2'
 printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 2 0 0' 'f 1 2 3' >hostile.obj

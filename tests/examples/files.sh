@@ -284,13 +284,17 @@ cd formats || exit 1
 sed '$d' inner.ply >cut.ply
 tail -c +2 inner.ply >figure.ply
 cp inner.stl named.obj
+cp ../pool/inner.obj named.ply
+cp ../pool/hexagon.svg .
 mesh="$programs/deform_mesh"
 for ending in ply stl; do
   works "a posed figure in .$ending" "$mesh" "inner.$ending" --cage box.stl --move 'all:1,0,0' -o "moved.$ending"
+  grep -q '[0-9]\{9\}' "moved.$ending" && ok=no || ok=yes
+  report $ok "numbers of single precision have few digits in .$ending"
   works "and moved back" "$mesh" "moved.$ending" --cage box.obj --outside extend --move 'all:-1,0,0' -o "back.$ending"
   [ "$(tr -d 0-9.e- <back.$ending)" = "$(tr -d 0-9.e- <inner.$ending)" ] && ok=yes || ok=no
   report $ok "all but the numbers is the same in .$ending"
-  refuses "is written as .$ending" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o out.obj
+  refuses "is written as .$ending, since the output has the format of the figure" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o out.obj
   works "at rest in .$ending" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o "rest.$ending"
   cmp inner.$ending rest.$ending >log 2>&1 && ok=yes || ok=no
   report $ok "the same bytes at rest in .$ending"
@@ -299,6 +303,9 @@ for ending in ply stl; do
   works "a skeleton for .$ending" "$programs/fit_skeleton" "inner.$ending" "moved.$ending" "inner.$ending" --bones 1 -o fitted.glb
 done
 works "the contents decide" "$mesh" named.obj --cage box.stl --pose box.stl -o named.stl
+works "an OBJ file with another extension" "$mesh" named.ply --cage box.stl --pose box.stl -o named_ply.obj
+refuses 'hexagon.svg: holds no vertices: it looks like a file of the format SVG, which deform_svg reads' \
+  "$mesh" hexagon.svg --cage box.stl --pose box.stl -o out.obj
 refuses 'named.obj is written as .stl' "$mesh" named.obj --cage box.stl --pose box.stl -o out.obj
 truncate -s 3G huge.glb
 refuses 'huge.glb: has more than 2000 MB' "$mesh" huge.glb --cage box.stl --pose box.stl -o out.glb

@@ -77,6 +77,69 @@ TEST_CASE("the contents of a file decide its format, and the extension of output
     }
 }
 
+TEST_CASE("whatever the extension, the contents are read or the reason is told", "[examples][mesh_formats]") {
+    const auto same = [](const Point3& p) { return p; };
+    const std::string mark = "\xef\xbb\xbf";
+    const std::string gltf =
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"mode": 0, "attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC3",
+                           "min": [0, 0, 0], "max": [0, 0, 0]}],
+            "bufferViews": [{"buffer": 0, "byteLength": 12}], "buffers": [{"byteLength": 12,
+            "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAA"}]})";
+    const std::string obj = "# solid\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const std::string medit = "# a\nMeshVersionFormatted 2\nDimension 3\nVertices 1\n0 0 0 0\nEnd\n";
+    const std::string binary = std::string(80, 'x') + std::string("\1\0\0\0", 4) + std::string(50, '\0');
+    const std::pair<std::string, std::string> formats[] = {{obj, ".obj"},
+                                                           {mark + obj, ".obj"},
+                                                           {split_cube(same), ".ply"},
+                                                           {stl_cube(same), ".stl"},
+                                                           {mark + stl_cube(same), ".stl"},
+                                                           {binary, ".stl"},
+                                                           {binary + "behind", ".stl"},
+                                                           {medit, ".mesh"},
+                                                           {gltf, ".gltf"},
+                                                           {mark + gltf, ".gltf"}};
+    const std::string cut = std::string(75, ' ') + std::string("\2\0\0\0", 4) + std::string(70, 'v');
+    const std::string junk("\1\xff\0\nv 1 2 3\n", 12);
+    const std::pair<std::string, std::string> faults[] = {
+        {"[1, 2]", "the JSON is not an object"},
+        {" {}", "has no asset with a version"},
+        {mark + "{", "is not a valid glTF document"},
+        {"<svg/>", "of the format SVG, which deform_svg reads"},
+        {"#usda 1.0\n", "of the format USD"},
+        {"solid" + cut, "its head declares 2 triangles, which need 184 bytes"},
+        {"OFF\n1 0 0\n", "of the format OFF"}};
+    for (const std::string& extension : mesh_extensions) {
+        CAPTURE(extension);
+        for (const auto& [text, own] : formats) {
+            INFO(text);
+            const TemporaryFile file(text, "a" + extension);
+            const auto mesh = load_mesh(file.path);
+            if (!mesh) FAIL(to_string(mesh.error()));
+            const auto extensions = extensions_of(*mesh);
+            CHECK(std::find(extensions.begin(), extensions.end(), own) != extensions.end());
+        }
+        for (const auto& [text, why] : faults) {
+            const TemporaryFile file(text, "a" + extension);
+            const auto mesh = load_mesh(file.path);
+            REQUIRE_FALSE(mesh);
+            CHECK(to_string(mesh.error()).find(why) != std::string::npos);
+        }
+        for (const std::string& text :
+             {"a    " + cut, junk, std::string("plywood"), std::string("f 1 2 3")}) {
+            const TemporaryFile file(text, "a" + extension);
+            const auto mesh = load_mesh(file.path);
+            REQUIRE_FALSE(mesh);
+            const std::string why = extension == ".ply"    ? "is no PLY file"
+                                    : extension == ".stl"  ? "is no STL file"
+                                    : extension == ".mesh" ? "is not a .mesh file"
+                                                           : "holds no vertices: it is no glTF, ";
+            CHECK(to_string(mesh.error()).find(why) != std::string::npos);
+        }
+    }
+}
+
 TEST_CASE("cages are welded, and their poses may be split as the file or welded",
           "[examples][mesh_formats]") {
     const auto same = [](const Point3& p) { return p; };

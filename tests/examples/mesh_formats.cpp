@@ -95,8 +95,31 @@ struct RandomFile {
     }
 };
 
-/// The number at the beginning of a text.
-double taken_number(const RandomFile& file, const Piece& piece, std::string_view& text) {
+/// The number of digits of a decimal number, without zeros at its ends.
+std::size_t digit_count(std::string_view word) {
+    std::string digits;
+    for (const char c : word.substr(0, word.find('e'))) {
+        if (c >= '0' && c <= '9') digits += c;
+    }
+    digits.erase(0, digits.find_first_not_of('0'));
+    return digits.find_last_not_of('0') + 1;
+}
+
+/// The fewest digits with which printf() restores a number in single or double precision.
+std::size_t digits_needed(double number, bool is_single) {
+    for (int digits = 1;; ++digits) {
+        std::array<char, 64> text{};
+        (void)std::snprintf(text.data(), text.size(), "%.*e", digits - 1, number);
+        if (is_single ? std::strtof(text.data(), nullptr) == float(number)
+                      : std::strtod(text.data(), nullptr) == number)
+            return std::size_t(digits);
+    }
+}
+
+/// The number at the beginning of a text. In ASCII, a number that has changed has no needless digits.
+///
+///   is_exact   whether the text is written in double precision, whatever the type
+double taken_number(const RandomFile& file, const Piece& piece, std::string_view& text, bool is_exact) {
     if (file.encoding == PlyEncoding::ascii) {
         const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
         const std::string word(text.substr(0, end));
@@ -104,6 +127,10 @@ double taken_number(const RandomFile& file, const Piece& piece, std::string_view
         char* stop = nullptr;
         const double number = std::strtod(word.c_str(), &stop);
         REQUIRE((!word.empty() && *stop == '\0'));
+        const bool is_single = piece.type == PlyType::float32 && !is_exact;
+        if (word != piece.bytes)
+            REQUIRE(digit_count(word) <=
+                    digits_needed(is_single ? double(float(number)) : number, is_single));
         return number;
     }
     const std::size_t size = bytes_of(piece.type);
@@ -118,11 +145,11 @@ double taken_number(const RandomFile& file, const Piece& piece, std::string_view
 }
 
 /// Checks that a text is the file with its vectors moved, and everything else equal.
-void check_moved(const RandomFile& file, std::string_view text, const Affine& map) {
+void check_moved(const RandomFile& file, std::string_view text, const Affine& map, bool is_exact) {
     std::vector<Point3> moved(file.vectors.size());
     for (const Piece& piece : file.pieces) {
         if (piece.vector) {
-            moved[*piece.vector][piece.axis] = taken_number(file, piece, text);
+            moved[*piece.vector][piece.axis] = taken_number(file, piece, text, is_exact);
             continue;
         }
         REQUIRE(text.substr(0, piece.bytes.size()) == piece.bytes);
@@ -167,7 +194,8 @@ void check_writing(const RandomFile& file, const MeshFile& mesh, Random& random)
     std::vector<Point3> places;
     for (const Point3& p : mesh.vertices) places.push_back(map(p));
     const std::vector<Jacobian3> jacobians(places.size(), map.axes);
-    check_moved(file, moved_bytes(mesh, {places, jacobians}), map);
+    const bool is_exact = mesh.document->format() == "STL" && !rounding_fault(mesh.name, places).empty();
+    check_moved(file, moved_bytes(mesh, {places, jacobians}), map, is_exact);
 }
 
 /// A random property that is neither moved nor read.
@@ -345,6 +373,7 @@ RandomFile random_stl(Random& random) {
     RandomFile file;
     const std::size_t triangles = 1 + random.below(30);
     if (random.below(2) == 0) {
+        if (random.below(4) == 0) file.add("\xef\xbb\xbf");
         file.add(random.below(2) == 0 ? "solid a facet of b\n" : "SOLID\n");
     } else {
         file.encoding = PlyEncoding::little_endian;
@@ -354,6 +383,8 @@ RandomFile random_stl(Random& random) {
         file.add(head);
     }
     for (std::size_t t = 0; t < triangles; ++t) add_triangle(file, random);
+    if (file.encoding != PlyEncoding::ascii && random.below(3) == 0)
+        file.add(std::string(1 + random.below(120), char(random.below(256)))); // trailing bytes
     return file;
 }
 
@@ -489,6 +520,38 @@ TEST_CASE("broken PLY and STL files are refused or kept", "[examples][mesh_forma
           "in.stl: not a number: \"x\" (line 3)");
 }
 
+TEST_CASE("a binary STL file that is cut off tells its triangles and bytes", "[examples][mesh_formats]") {
+    for (const std::string title : {"solid ", "solid\n", "", "\xef\xbb\xbfsolid a "}) {
+        for (const char fill : {' ', '\0'}) {
+            std::string head = title + std::string(80 - title.size(), fill);
+            const std::string none = head + std::string(4, '\0');
+            CHECK(to_string(stl_of(none).error()) ==
+                  "in.stl: holds no triangles: its head declares 0, and it has 84 bytes");
+            head += std::string("\3\0\0\0", 4);
+            for (const std::size_t triangles : {0U, 49U, 50U, 149U})
+                CHECK(to_string(stl_of(head + std::string(triangles, '\n')).error()) ==
+                      "in.stl: is no STL file, or cut off: its head declares 3 triangles, which need 234 "
+                      "bytes, "
+                      "but it has " +
+                          std::to_string(84 + triangles));
+            CHECK(stl_of(head + std::string(150, '\n')));
+        }
+    }
+    CHECK(to_string(stl_of(std::string("solid a\0\0", 9)).error()) ==
+          "in.stl: is cut off: it has 9 bytes, but the head of a binary STL file has 84");
+}
+
+TEST_CASE("far from the origin, ASCII STL files keep double precision", "[examples][mesh_formats]") {
+    const auto file =
+        *stl_of("solid\nfacet normal 0 0 0 outer loop\nvertex 4500000.1 0 0 vertex 4500001.2 1 0 vertex "
+                "4500000.3 0 1 endloop endfacet\n");
+    std::vector<Point3> places = file.vertices;
+    for (Point3& p : places) p[0] += 0.5;
+    const std::string text = moved_bytes(file, {places});
+    for (const char* const number : {"vertex 4500000.6 0 0", "vertex 4500001.7 1 0", "vertex 4500000.8 0 1"})
+        CHECK(text.find(number) != std::string::npos);
+}
+
 TEST_CASE("numbers that a type cannot store are refused", "[examples][mesh_formats]") {
     const auto file =
         *ply_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty float y\nproperty "
@@ -498,6 +561,7 @@ TEST_CASE("numbers that a type cannot store are refused", "[examples][mesh_forma
         return written ? std::string() : to_string(written.error());
     };
     CHECK(fault(file, {1, 5, 5}).empty());
+    CHECK(fault(file, {1, 1e39, 1e39}) == "in.ply: vertex 0: y exceeds the range of its type after the move");
     CHECK(fault(file, {2, 2, 3}) ==
           "in.ply: vertex 0: x has the type int, which cannot store its moved value");
     const auto binary =

@@ -382,6 +382,11 @@ TEST_CASE("a file of another format is recognized by its first bytes", "[example
         {"MeshVersionFormatted 2\n", "Medit"},
         {"<?xml version=\"1.0\"?>\n<COLLADA/>\n", "XML"},
         {"\x1f\x8b\x08", "gzip"},
+        {"<svg xmlns=\"http://www.w3.org/2000/svg\"/>", "SVG, which deform_svg reads"},
+        {"\xef\xbb\xbf<?xml version=\"1.0\"?>\n<!-- a -->\n<svg>\nv 1 2", "SVG, which deform_svg reads"},
+        {"\xef\xbb\xbfsolid cube\n", "STL"},
+        {"#usda 1.0\n", "USD"},
+        {" \n[1, 2]", "JSON"},
     };
     for (const auto& [text, format] : files) {
         CAPTURE(format);
@@ -396,8 +401,10 @@ TEST_CASE("a file of another format is recognized by its first bytes", "[example
 TEST_CASE("faults of an OBJ file are reported with their lines", "[examples][obj]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(refusal("") == "file.obj: is empty");
-    CHECK(refusal("# nothing\n") == "file.obj: holds no vertices (lines \"v x y z\")");
-    CHECK(refusal("f 1 2 3\n") == "file.obj: holds no vertices (lines \"v x y z\")");
+    for (const char* const text : {"# nothing\n", "f 1 2 3\n"})
+        CHECK(refusal(text) ==
+              "file.obj: holds no vertices: it is no glTF, PLY, STL or Medit file, and has no "
+              "OBJ lines \"v x y z\"");
     CHECK(refusal("v 1 2\n") == "file.obj: three numbers are expected (line 1)");
     CHECK(refusal("\nv 1 2 x\n") == "file.obj: not a number: \"x\" (line 2)");
     CHECK(refusal("v 1 2 3,\n") == "file.obj: not a number: \"3,\" (line 1)");

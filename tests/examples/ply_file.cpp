@@ -92,6 +92,8 @@ struct RandomFile {
             elements.push_back(element);
         }
         text += "end_header\n";
+        const bool has_returns = random.below(4) == 0; // as the only line breaks
+        if (has_returns) std::replace(text.begin(), text.end(), '\n', '\r');
         for (const PlyElement& element : elements) {
             auto& records = numbers.emplace_back();
             for (std::uint64_t n = 0; n < element.count; ++n) {
@@ -108,7 +110,8 @@ struct RandomFile {
                         append(text, property.type, all.back(), encoding);
                     }
                 }
-                if (encoding == PlyEncoding::ascii) text += random.below(3) == 0 ? "\r\n" : "\n";
+                if (encoding == PlyEncoding::ascii)
+                    text += has_returns ? "\r" : random.below(3) == 0 ? "\r\n" : "\n";
             }
         }
     }
@@ -203,6 +206,8 @@ TEST_CASE("faults of a PLY file are reported", "[examples][ply]") {
     CHECK(fault_of("ply\nend_header\n") == "its header has no line \"format\"");
     CHECK(fault_of("ply\nformat octal 1.0\nend_header\n") ==
           "line 2: the format is none of ascii, binary_little_endian, binary_big_endian");
+    CHECK(fault_of("ply\nformat ascii 2.0\nend_header\n") ==
+          "line 2: the version of the format is \"2.0\"; version 1.0 is read");
     CHECK(fault_of(ascii + "vertex 3\n") == "line 3: \"vertex\" is not a keyword of a PLY file's header");
     CHECK(fault_of(ascii + "element vertex\n") ==
           "line 3: \"element vertex\" does not declare a new element and its number of records");

@@ -88,7 +88,8 @@ private:
         const std::string size = std::to_string(bytes_.size());
         std::string why = "is no STL file: it does not begin with \"solid\", and is too short to be binary";
         if (bytes_.size() < stl_head) {
-            if (is_solid) why = "is cut off: it has " + size + " bytes, and the head of a binary STL file 84";
+            if (is_solid)
+                why = "is cut off: it has " + size + " bytes, but the head of a binary STL file has 84";
         } else if (const auto triangles = declared_triangles(bytes_); triangles == 0) {
             why = "holds no triangles: its head declares 0, and it has " + size + " bytes";
         } else {
