@@ -494,8 +494,7 @@ TEST_CASE("broken PLY and STL files are refused or kept", "[examples][mesh_forma
     for (const char* const encoding : {"ascii", "binary_little_endian", "binary_big_endian"}) {
         const std::string head = std::string("ply\nformat ") + encoding + " 1.0\n";
         for (const char* const count : {"4294967294", "4294967295", "140737488355328"})
-            refused(head + "element vertex " + count + '\n' + xyz + "end_header\n0 0 0\n",
-                    std::string(count) > "4294967294" || count[0] == '1' ? "more than" : "cut off");
+            refused(head + "element vertex " + count + '\n' + xyz + "end_header\n0 0 0\n", "cut off");
         refused(head + "element a 140737488355328\nelement vertex 1\n" + xyz + "end_header\n", "cut off");
         refused(head + "element vertex 0\n" + xyz + "end_header\n", "holds no vertices");
         refused(head + "element vertex 1\nproperty float x\nend_header\n0\n", "has no numbers x, y, z");
