@@ -25,7 +25,7 @@ std::uint64_t end_of_triangles(std::string_view bytes) {
     return stl_head + declared_triangles(bytes) * stl_triangle;
 }
 
-/// Whether the head has bytes that no text has: the number of triangles of a file of 2 GB has one.
+/// Whether a head has bytes that no text has. The number of triangles has one in files of up to 2 GB.
 bool is_binary_head(std::string_view head) {
     return std::any_of(head.begin(), head.end(), [](char c) {
         return c >= 0 && c < ' ' && stl_blanks.find(c) == std::string_view::npos;

@@ -11,11 +11,11 @@
 
 namespace cageform_support {
 
-/// Whether a file is binary STL: it has the bytes of one or more triangles that it declares. Others may follow.
+/// Whether a file is binary STL: it declares triangles and has bytes for all. Others may follow.
 bool is_binary_stl(std::string_view bytes);
 
-/// Parses an STL file, binary (little-endian) or ASCII. A binary file may begin with "solid", and an ASCII file
-/// with a byte order mark.
+/// Parses an STL file, binary (little-endian) or ASCII. A binary file may begin with "solid", and an ASCII
+/// file with a byte order mark.
 ///
 ///   name      prefix of every message
 ///   returns   vertices in the order of their first corners, a face for each triangle (also without area),
