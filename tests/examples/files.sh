@@ -288,10 +288,10 @@ cp ../pool/inner.obj named.ply
 cp ../pool/hexagon.svg .
 mesh="$programs/deform_mesh"
 for ending in ply stl; do
-  works "a posed figure in .$ending" "$mesh" "inner.$ending" --cage box.stl --move 'all:1,0,0' -o "moved.$ending"
+  works "a posed figure in .$ending" "$mesh" "inner.$ending" --cage box.stl --move 'all:0.1,0,0' -o "moved.$ending"
   grep -q '[0-9]\{9\}' "moved.$ending" && ok=no || ok=yes
   report $ok "numbers of single precision have few digits in .$ending"
-  works "and moved back" "$mesh" "moved.$ending" --cage box.obj --outside extend --move 'all:-1,0,0' -o "back.$ending"
+  works "and moved back" "$mesh" "moved.$ending" --cage box.obj --outside extend --move 'all:-0.1,0,0' -o "back.$ending"
   [ "$(tr -d 0-9.e- <back.$ending)" = "$(tr -d 0-9.e- <inner.$ending)" ] && ok=yes || ok=no
   report $ok "all but the numbers is the same in .$ending"
   refuses "is written as .$ending, since the output has the format of the figure" "$mesh" "inner.$ending" --cage box.stl --pose box.stl -o out.obj
