@@ -16,7 +16,7 @@ for (const [name, walks, x] of [
   model.scene.position.x = x;
   model.scene.rotation.y = 0.6;
   model.scene.traverse(node => {
-    if (node.isLight) node.visible = false;
+    if (node.isLight) node.visible = false; // those of view.js are enough
   });
   scene.add(model.scene);
   models.push(model);

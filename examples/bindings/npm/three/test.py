@@ -8,7 +8,6 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / 'test'))
 from chromium import Browser, serve  # noqa: E402
 
-
 WALK = 0.3  # seconds
 # The names of a model's materials, their textures and its animations.
 CONTENTS = '''models.map(({ scene, animations }) => {
