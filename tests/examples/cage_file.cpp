@@ -7,6 +7,7 @@
 #include "files/pose_rows.hpp"
 
 #include "catch.hpp"
+#include "support/temporary_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,6 +25,7 @@ namespace cage_file_tests {
 
 using namespace cageform_support;
 using cageform::CageFaultKind;
+using cageform_tests::TemporaryFile;
 
 namespace {
 
@@ -183,17 +185,14 @@ TEST_CASE("batches of points do not depend on the sizes of the reads", "[example
         text += row.str() + (random() % 2 == 0 ? "\n" : " \r\n\n");
     }
     while (seed % 3 == 0 && text.back() < ' ') text.pop_back(); // no line break at the end
-    const auto path = std::filesystem::temp_directory_path() /
-                      ("cageform-points-" + std::to_string(std::random_device()()) + ".csv");
-    std::ofstream(path, std::ios::binary) << text;
-    const auto whole = read_file(path.string());
-    PointReader<2> reader(path.string());
+    const TemporaryFile file(text, "points.csv");
+    const auto whole = read_file(file.path);
+    PointReader<2> reader(file.path);
     std::vector<std::array<double, 2>> batch, all;
     while (reader.read(batch, 1 + random() % 4000)) {
         CHECK(reader.fraction() <= 1);
         all.insert(all.end(), batch.begin(), batch.end());
     }
-    std::filesystem::remove(path);
     CHECK(reader.error().empty());
     CHECK(all == points);
     REQUIRE(whole);
@@ -312,14 +311,11 @@ TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[exam
     const auto seed = GENERATE(range(0, 12));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
-    const auto path = (std::filesystem::temp_directory_path() /
-                       ("cageform-csv-" + std::to_string(std::random_device()()) + ".csv"))
-                          .string();
+    const TemporaryFile file({}, "rows.csv");
+    const std::string& path = file.path;
     const auto read = [&](const Kind& kind, const std::string& text) {
         std::ofstream(path, std::ios::binary) << text;
-        auto result = kind.read(path);
-        std::filesystem::remove(path);
-        return result;
+        return kind.read(path);
     };
     for (const Kind& kind : kinds(random)) {
         const auto plain = read(kind, kind.text);
@@ -357,7 +353,6 @@ TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[exam
     }
     std::ofstream(path, std::ios::binary) << "\xfe\xff" << std::string("\0v\0 \0001", 6);
     const auto mesh = load_mesh(path);
-    std::filesystem::remove(path);
     REQUIRE_FALSE(mesh);
     CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, but only UTF-8 is read: save it as UTF-8");
 }

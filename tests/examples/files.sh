@@ -300,9 +300,13 @@ for ending in ply stl; do
 done
 works "the contents decide" "$mesh" named.obj --cage box.stl --pose box.stl -o named.stl
 refuses 'named.obj is written as .stl' "$mesh" named.obj --cage box.stl --pose box.stl -o out.obj
+truncate -s 3G huge.glb
+refuses 'huge.glb: has more than 2000 MB' "$mesh" huge.glb --cage box.stl --pose box.stl -o out.glb
+rm huge.glb
 refuses 'empty.ply: is empty' "$mesh" empty.ply --cage box.stl --pose box.stl -o out.ply
 refuses 'cut.ply: is cut off in face 0' "$mesh" cut.ply --cage box.stl --pose box.stl -o out.ply
 refuses 'figure.ply: is no PLY file' "$mesh" figure.ply --cage box.stl --pose box.stl -o out.ply
+refuses 'face 1 differs: the pose box.stl' "$mesh" inner.ply --cage box.obj --pose box.stl -o out.ply
 cd ..
 
 # ---- none is forgotten ----

@@ -1,36 +1,20 @@
 // Cages and poses from PLY and STL files, which are found by their contents.
 #include "../catch.hpp"
+#include "../support/temporary_file.hpp"
 
 #include "cli/mesh_cage.hpp"
 #include "files/obj_file.hpp"
 #include "io/csv.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <random>
 
 namespace mesh_cages_tests {
 
 using namespace cageform_support;
+using cageform_tests::TemporaryFile;
 
 namespace {
-
-/// A temporary file, removed by the destructor. Its name has a random number because tests run in parallel.
-struct Written {
-    explicit Written(const std::string& text, const std::string& name)
-        : path((std::filesystem::temp_directory_path() /
-                ("cageform-mesh-" + std::to_string(std::random_device()()) + '-' + name))
-                   .string()) {
-        std::ofstream(path, std::ios::binary) << text;
-    }
-    Written(const Written&) = delete;
-    Written& operator=(const Written&) = delete;
-    ~Written() { std::remove(path.c_str()); }
-    std::string path;
-};
 
 constexpr std::array<std::array<int, 4>, 6> cube_faces{
     {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
@@ -82,7 +66,7 @@ TEST_CASE("the contents of a file decide its format, and the extension of output
           "[examples][mesh_formats]") {
     const auto same = [](const Point3& p) { return p; };
     for (const std::string name : {"a.obj", "a.ply", "a.stl"}) {
-        const Written ply(split_cube(same), name), stl(stl_cube(same), name);
+        const TemporaryFile ply(split_cube(same), name), stl(stl_cube(same), name);
         const auto from_ply = load_mesh(ply.path), from_stl = load_mesh(stl.path);
         REQUIRE(from_ply);
         REQUIRE(from_stl);
@@ -99,7 +83,7 @@ TEST_CASE("cages are welded, and their poses may be split as the file or welded"
     const auto bent = [](const Point3& p) {
         return Point3{p[0] + p[1] * p[2], 2 * p[1], p[2] - 0.25 * p[0]};
     };
-    const Written ply(split_cube(same), "cage.ply"), rounded(split_cube(same, 1e-8), "rounded.ply"),
+    const TemporaryFile ply(split_cube(same), "cage.ply"), rounded(split_cube(same, 1e-8), "rounded.ply"),
         stl(stl_cube(same), "cage.stl"), ply_pose(split_cube(bent), "pose.ply"),
         stl_pose(stl_cube(bent), "pose.stl"), torn(split_cube(bent, 0.1), "torn.ply");
     for (const auto& [cage_path, pose_path] :
@@ -118,7 +102,7 @@ TEST_CASE("cages are welded, and their poses may be split as the file or welded"
         if (!pose) FAIL(to_string(pose.error()));
         CHECK(pose->vertices == expected);
         CHECK(pose_difference(*cage, *pose).empty());
-        const Written welded(to_text(*cage, pose->vertices), "welded.obj");
+        const TemporaryFile welded(to_text(*cage, pose->vertices), "welded.obj");
         const auto again = load_mesh_pose(welded.path, *cage);
         if (!again) FAIL(to_string(again.error()));
         CHECK(again->vertices == expected);

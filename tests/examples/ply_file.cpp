@@ -1,6 +1,7 @@
 // PLY files and other files of points: any encoding and block size; broken files are reported.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/temporary_file.hpp"
 
 #include "files/ply_file.hpp"
 #include "files/point_file.hpp"
@@ -8,30 +9,14 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <random>
 
 namespace ply_file_tests {
 
 using namespace cageform_support;
 using cageform_tests::Random;
+using cageform_tests::TemporaryFile;
 
 namespace {
-
-/// A temporary file, removed by the destructor. Its name has a random number because tests run in parallel.
-struct Written {
-    explicit Written(const std::string& text, const std::string& name = "test.ply")
-        : path((std::filesystem::temp_directory_path() /
-                ("cageform-ply-" + std::to_string(std::random_device()()) + '-' + name))
-                   .string()) {
-        std::ofstream(path, std::ios::binary) << text;
-    }
-    Written(const Written&) = delete;
-    Written& operator=(const Written&) = delete;
-    ~Written() { std::remove(path.c_str()); }
-    std::string path;
-};
 
 constexpr std::array type_names{"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
 constexpr std::array new_names{"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
@@ -131,7 +116,7 @@ struct RandomFile {
 
 /// Why a text is not a PLY file with points, without the file's name; empty if it is one.
 std::string fault_of(const std::string& text, const std::string& name = "test.ply") {
-    const Written file(text, name);
+    const TemporaryFile file(text, name);
     PointFile points(file.path);
     std::vector<double> numbers;
     while (points.read(7, numbers) > 0) continue;
@@ -149,7 +134,7 @@ TEST_CASE("PLY files of any layout are read in blocks of any size", "[examples][
         CAPTURE(seed);
         Random random(seed);
         const RandomFile made(random);
-        const Written file(made.text);
+        const TemporaryFile file(made.text, "test.ply");
         PlyReader reader(file.path);
         REQUIRE(reader.error() == "");
         CHECK(reader.header().comments == std::vector<std::string>{"by a test"});
@@ -189,7 +174,7 @@ TEST_CASE("truncated or corrupted PLY files are read or refused", "[examples][pl
         } else {
             for (int n = 0; n < 3; ++n) made.text[random.below(made.text.size())] = char(random.below(256));
         }
-        const Written file(made.text);
+        const TemporaryFile file(made.text, "test.ply");
         PlyReader reader(file.path);
         std::uint64_t records = 0, expected = 0;
         for (const auto& element : made.elements) {
@@ -254,7 +239,7 @@ TEST_CASE("faults of a PLY file are reported", "[examples][ply]") {
 
 TEST_CASE("points are read from OBJ files and numpy arrays", "[examples][ply][points]") {
     const auto points_of = [](const std::string& text, const std::string& path) {
-        const Written file(text, path);
+        const TemporaryFile file(text, path);
         PointFile points(file.path);
         std::vector<double> numbers;
         while (points.read(2, numbers) > 0) continue;

@@ -2,11 +2,11 @@
 #include "cli/row_range.hpp"
 #include "files/obj_file.hpp"
 #include "files/posed_file.hpp"
-#include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 
 #include "catch.hpp"
 #include "support/effort.hpp"
+#include "support/temporary_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <random>
 #include <span>
@@ -30,27 +29,9 @@ namespace pose_rows_tests {
 
 using namespace cageform_support;
 using cageform::Vec;
+using cageform_tests::TemporaryFile;
 
 namespace {
-
-/// A temporary file, removed by the destructor.
-class TextFile {
-public:
-    explicit TextFile(std::string_view text)
-        : path_((std::filesystem::temp_directory_path() /
-                 ("cageform-rows-" + std::to_string(std::random_device()()) + ".csv"))
-                    .string()) {
-        REQUIRE_FALSE(write_file_atomically(path_, text));
-    }
-    TextFile(const TextFile&) = delete;
-    TextFile& operator=(const TextFile&) = delete;
-    ~TextFile() { std::filesystem::remove(path_); }
-
-    const std::string& path() const { return path_; }
-
-private:
-    std::string path_;
-};
 
 /// Any finite number.
 template <class T>
@@ -72,8 +53,8 @@ std::vector<Vec<T, D>> any_points(std::size_t count, std::mt19937& random) {
 
 template <std::size_t D>
 std::string refusal(const std::string& text, std::size_t vertices) {
-    const TextFile file(text);
-    PoseRows<D> rows(file.path(), std::vector<Vec<double, D>>(vertices), 10);
+    const TemporaryFile file(text, "rows.csv");
+    PoseRows<D> rows(file.path, std::vector<Vec<double, D>>(vertices), 10);
     PoseRow row;
     std::string why;
     while (why.empty() && rows.next(row)) {
@@ -81,8 +62,8 @@ std::string refusal(const std::string& text, std::size_t vertices) {
         if (!pose) why = to_string(pose.error());
     }
     if (why.empty()) why = rows.error();
-    const std::size_t at = why.find(file.path());
-    return at == why.npos ? why : why.replace(at, file.path().size(), "file");
+    const std::size_t at = why.find(file.path);
+    return at == why.npos ? why : why.replace(at, file.path.size(), "file");
 }
 
 /// A table of random poses, with everything allowed between rows.
@@ -100,11 +81,11 @@ void check_table(std::mt19937& random) {
                     detail::digits_of(poses.back()[n / D][n % D]);
         if (r + 1 < count || random() % 2 == 0) text += end;
     }
-    const TextFile file(text);
+    const TemporaryFile file(text, "rows.csv");
     const std::vector<Vec<double, D>> rest(vertices);
     for (int part = 0; part < 4; ++part) {
         const std::size_t first = random() % (count + 2), most = 1 + random() % count;
-        PoseRows<D> rows(file.path(), rest, 30);
+        PoseRows<D> rows(file.path, rest, 30);
         REQUIRE(rows.error().empty());
         rows.skip(first);
         PoseRow row;
@@ -235,7 +216,7 @@ TEST_CASE("rows that are not poses are reported with their lines", "[examples][r
 TEST_CASE("rows of a clip are its poses at equal steps of time", "[examples][rows]") {
     const std::string text = "# a hop\nlength,2\npose,0,smooth\n0,0,0\n1,0,0\npose,0.5,linear\n0,1,0\n1,2,0\n"
                              "pose,1.25,ease\n0,0,3\n1,0,0\n";
-    const TextFile file(text);
+    const TemporaryFile file(text, "rows.csv");
     const std::vector<Vec<double, 3>> rest(2);
     const auto clip = parse_pose_clip(text, "clip", 2);
     REQUIRE(clip);
@@ -243,7 +224,7 @@ TEST_CASE("rows of a clip are its poses at equal steps of time", "[examples][row
     auto cursor = motion.make_cursor();
     for (const double rate : {0.4, 1.0, 7.0, 30.0}) {
         for (const auto first : {std::size_t{0}, std::size_t{3}, std::size_t{100}}) {
-            PoseRows<3> rows(file.path(), rest, rate);
+            PoseRows<3> rows(file.path, rest, rate);
             rows.skip(first);
             PoseRow row;
             std::size_t next = first;
@@ -258,12 +239,13 @@ TEST_CASE("rows of a clip are its poses at equal steps of time", "[examples][row
             CHECK(rows.row() == std::size_t(std::ceil(2 * rate)));
         }
     }
-    CHECK(PoseRows<3>(file.path(), rest, 10).name_of({4, 0, ""}) == file.path() + " after 0.4 s");
+    CHECK(PoseRows<3>(file.path, rest, 10).name_of({4, 0, ""}) == file.path + " after 0.4 s");
 
-    const TextFile plane(
+    const TemporaryFile plane(
         "length,1\ncontrol,a\nvertices,0\ntime,x,y,turn,kind\n0,0,0,0,linear\n0.5,4,2,0,linear\n"
-        "1,0,0,0,linear\n");
-    PoseRows<2> rows(plane.path(), std::vector<Vec<double, 2>>{{1, 1}, {5, 5}}, 4);
+        "1,0,0,0,linear\n",
+        "rows.csv");
+    PoseRows<2> rows(plane.path, std::vector<Vec<double, 2>>{{1, 1}, {5, 5}}, 4);
     rows.skip(1);
     PoseRow row;
     REQUIRE(rows.next(row));
@@ -345,8 +327,8 @@ TEST_CASE("a range of rows is two numbers, and a path has one place for a number
 
 TEST_CASE("lines are read one at a time", "[examples][rows]") {
     const std::string longest(200000, 'a');
-    const TextFile file("one\n\n" + longest + "\nlast\nrest\nwithout an end");
-    LineReader lines(file.path());
+    const TemporaryFile file("one\n\n" + longest + "\nlast\nrest\nwithout an end", "rows.csv");
+    LineReader lines(file.path);
     std::string_view line;
     for (const std::string_view expected :
          {std::string_view("one"), std::string_view(), std::string_view(longest)}) {
@@ -362,12 +344,12 @@ TEST_CASE("lines are read one at a time", "[examples][rows]") {
     CHECK(lines.error().empty());
     CHECK(lines.fraction() == 1);
 
-    LineReader bounded(file.path(), 199999);
+    LineReader bounded(file.path, 199999);
     CHECK(bounded.next(line));
     CHECK(bounded.next(line));
     CHECK_FALSE(bounded.next(line));
-    CHECK(bounded.error() == file.path() + ":3: the line has more than 199999 bytes");
-    LineReader wide(file.path(), 200000);
+    CHECK(bounded.error() == file.path + ":3: the line has more than 199999 bytes");
+    LineReader wide(file.path, 200000);
     for (int n = 0; n < 6; ++n) CHECK(wide.next(line));
     CHECK_FALSE(wide.next(line));
     CHECK(wide.error().empty());

@@ -7,6 +7,7 @@
 #include "splats/surface_splats.hpp"
 
 #include "catch.hpp"
+#include "support/temporary_file.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/cage/box_mesh.hpp>
@@ -19,8 +20,6 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -485,12 +484,9 @@ TEST_CASE("scenes of any encoding and of any type have the same numbers", "[spla
         }
         ascii += '\n';
     }
-    const auto path = std::filesystem::temp_directory_path() /
-                      ("cageform-splats-" + std::to_string(std::random_device()()));
     const auto read = [&](const std::string& text, const std::string& records) {
-        std::ofstream(path, std::ios::binary) << text << records;
-        auto loaded = load_splats(path);
-        std::filesystem::remove(path);
+        const cageform_tests::TemporaryFile file(text + records, "splats.ply");
+        auto loaded = load_splats(file.path);
         REQUIRE(loaded);
         CHECK(loaded->rows == scene.rows);
         CHECK(loaded->after == faces);

@@ -264,7 +264,7 @@ std::string GltfDocument::read_beside(const std::string& uri, const std::string&
     if (has_scheme(uri) || name.is_absolute() || name.empty() || *name.begin() == "..")
         throw GltfFault(user + ": " + detail::quoted(uri) +
                         " is not in the folder of the document or a subfolder");
-    auto bytes = read_file((std::filesystem::path(path_).parent_path() / name).string());
+    auto bytes = read_file((std::filesystem::path(path_).parent_path() / name).string(), largest_mesh_file);
     if (!bytes) throw GltfFault(user + ": " + bytes.error().message);
     return std::move(*bytes);
 }

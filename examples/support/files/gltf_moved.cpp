@@ -284,7 +284,7 @@ private:
             if (run.target_places[t].empty()) continue;
             const Point3& own = run.target_places[t][i];
             const Point3 step = own == Point3{} ? own : moved_step(map.map_vector(own), jacobian, now);
-            const Point3 stored = own == Point3{} ? own : unless_same(own, back.map_vector(step), bakes);
+            const Point3 stored = own == Point3{} ? own : unless_same(own, back.map_vector(step));
             result.targets[t][0].push_back(single(stored));
             place = place - run.weights[t] * stored;
         }
@@ -312,9 +312,10 @@ private:
         return dot(step, step) <= rounding_ * rounding_;
     }
 
-    static Point3 unless_same(const Point3& before, const Point3& after, bool bakes) {
+    /// `before` if both are equal up to rounding, else `after`.
+    static Point3 unless_same(const Point3& before, const Point3& after) {
         const Point3 change = after - before;
-        return !bakes && dot(change, change) <= 1e-24 * dot(before, before) ? before : after;
+        return dot(change, change) <= 1e-24 * dot(before, before) ? before : after;
     }
 
     /// The step of a morph target in the pose: by the Jacobian, or to the end in the pose if there is none.
@@ -343,20 +344,11 @@ private:
             throw GltfFault(scene_.nodes[run.node].name + ": its transform at rest is singular");
         const Point3 normal = now == rest && !bakes ? own : unit(transposed_map(*to_world, now));
         result.normals.push_back(single(normal));
-        // Steps of morph targets map as the normal does, so that all weights give the moved normal.
         const auto carried = [&](const Point3& v) {
             const Point3 world = transposed_map(*from_file, v);
             return transposed_map(*to_world, jacobian == nullptr ? world : cofactors_times(*jacobian, world));
         };
-        const double length = norm(carried(own));
-        for (std::size_t t = 0; t < run.targets.size(); ++t) {
-            const auto& steps = own_targets_[t][0];
-            if (steps.empty()) continue;
-            const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
-            const bool is_kept = step == Point3{} || !(length > 0);
-            result.targets[t][1].push_back(
-                single(is_kept ? step : unless_same(step, (norm(normal) / length) * carried(step), bakes)));
-        }
+        move_steps(1, i, own, normal, carried, result);
     }
 
     void move_tangent(std::size_t i, const Affine3& map, const Affine3& back, const Jacobian3* jacobian,
@@ -367,7 +359,6 @@ private:
             const Point3 world = map.map_vector(v);
             return back.map_vector(jacobian == nullptr ? world : mapped_vector(*jacobian, world));
         };
-        const double length = norm(carried(own));
         Point3 tangent = unit(carried(own));
         if (jacobian == nullptr && !result.normals.empty()) { // perpendicular to the moved normal
             const auto& n = result.normals.back();
@@ -379,13 +370,22 @@ private:
         const Point3 change = tangent - own;
         if (dot(change, change) < 1e-14) tangent = own; // rounded
         result.tangents.push_back({float(tangent[0]), float(tangent[1]), float(tangent[2]), float(side)});
+        move_steps(2, i, own, tangent, carried, result);
+    }
+
+    /// The steps of a normal (kind 1) or tangent (kind 2) by morph targets. Steps map as the vector does, so that
+    /// all weights give the moved vector.
+    template <class Carried>
+    void move_steps(std::size_t kind, std::size_t i, const Point3& own, const Point3& now,
+                    const Carried& carried, MovedRun& result) {
+        const double length = norm(carried(own));
         for (std::size_t t = 0; t < own_targets_.size(); ++t) {
-            const auto& steps = own_targets_[t][1];
+            const auto& steps = own_targets_[t][kind - 1];
             if (steps.empty()) continue;
             const Point3 step{steps[3 * i], steps[3 * i + 1], steps[3 * i + 2]};
             const bool is_kept = step == Point3{} || !(length > 0);
-            result.targets[t][2].push_back(
-                single(is_kept ? step : unless_same(step, (norm(tangent) / length) * carried(step), false)));
+            result.targets[t][kind].push_back(
+                single(is_kept ? step : unless_same(step, (norm(now) / length) * carried(step))));
         }
     }
 

@@ -171,7 +171,7 @@ bool is_medit(std::string_view text) {
 
 Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices strays) {
     const std::string name = path.string();
-    auto bytes = read_file(name);
+    auto bytes = read_file(name, largest_mesh_file);
     if (!bytes) return bytes.error();
     if (bytes->empty()) return FileError{name + ": is empty"};
     std::string_view format = detail::other_format(*bytes);

@@ -172,7 +172,6 @@ private:
         if (!reader_.error().empty()) return reader_.error();
         const PlyElement* const vertices = reader_.header().find("vertex");
         if (vertices == nullptr || vertices->count == 0) return file_.name + ": holds no vertices";
-        if (vertices->count >= MeshCorner::none) return file_.name + ": has more than 4,294,967,294 vertices";
         if (!has_numbers(*vertices, place_names))
             return file_.name + ": its element vertex has no numbers " + joined(place_names);
         return {};

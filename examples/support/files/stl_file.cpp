@@ -276,8 +276,6 @@ Expected<MeshFile> parse_stl(std::string bytes, std::string name) {
             const Point3 place = facet.place(n);
             const auto [vertex, is_new] = known.insert({place, std::uint32_t(file.vertices.size())});
             if (is_new) file.vertices.push_back(place);
-            if (file.vertices.size() == MeshCorner::none)
-                return FileError{file.name + ": has more than 4,294,967,294 vertices"};
             face.corners.push_back({vertex->second, MeshCorner::none});
         }
     }

@@ -203,10 +203,12 @@ std::string input_at(const std::filesystem::path& path) {
     return {};
 }
 
-Expected<std::string> read_file(const std::string& path) {
+Expected<std::string> read_file(const std::string& path, std::uintmax_t most) {
     InputFile file(path);
     std::string text;
-    while (file.read(text)) continue;
+    while (file.size() <= most && text.size() <= most && file.read(text)) continue;
+    if (std::max<std::uintmax_t>(file.size(), text.size()) > most)
+        return FileError{path + ": has more than " + std::to_string(most / 1'000'000) + " MB"};
     if (!file.error().empty()) return FileError{file.error()};
     return text;
 }

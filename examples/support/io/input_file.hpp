@@ -102,8 +102,11 @@ bool is_temporary_failure(int code);
 /// hard links and different spellings of a path count as the same file.
 std::string input_at(const std::filesystem::path& path);
 
-/// Reads all bytes of a file or pipe; fails as InputFile does.
-Expected<std::string> read_file(const std::string& path);
+/// The limit for files of meshes, in bytes. A program needs about 20 times as much memory.
+inline constexpr std::uintmax_t largest_mesh_file = 2'000'000'000;
+
+/// Reads all bytes of a file or pipe; fails as InputFile does, or if there are more than `most` bytes.
+Expected<std::string> read_file(const std::string& path, std::uintmax_t most = ~std::uintmax_t{0});
 
 /// As read_file(), but fails if the file is UTF-16.
 Expected<std::string> read_text(const std::string& path);
