@@ -1,7 +1,8 @@
 """Bends a model in a cage made around it: python3 model.py MODEL OUT [VERTICES]
 
-MODEL is a GLB file, or a file that meshio opens: OBJ, PLY, STL. A GLB file keeps all but its positions and normals. Joints and
-morph targets do not move, and a mesh of two nodes follows the last node; deform_mesh moves them and divides such meshes.
+MODEL is a GLB file, or a file that meshio opens: OBJ, PLY, STL. A GLB file keeps all but its positions and normals.
+Joints do not move, so animations of a skin do not fit the new shape. Morph targets do not move. A mesh of two nodes
+follows the last node. The program deform_mesh has none of these limits.
 """
 
 import json
@@ -42,7 +43,8 @@ def bend_glb(model, out, vertices):
         dtype = np.dtype({5121: 'u1', 5123: '<u2', 5125: '<u4', 5126: '<f4'}[accessor['componentType']])
         shape = accessor['count'], {'SCALAR': 1, 'VEC3': 3, 'VEC4': 4, 'MAT4': 16}[accessor['type']]
         start = 28 + length + view.get('byteOffset', 0) + accessor.get('byteOffset', 0)
-        values = np.ndarray(shape, dtype, data, start, (view.get('byteStride', shape[1] * dtype.itemsize), dtype.itemsize))
+        strides = view.get('byteStride', shape[1] * dtype.itemsize), dtype.itemsize
+        values = np.ndarray(shape, dtype, data, start, strides)
         return values / np.iinfo(dtype).max if accessor.get('normalized') else values
 
     worlds = {}  # matrices of nodes
@@ -59,7 +61,7 @@ def bend_glb(model, out, vertices):
 
     for root in document['scenes'][document.get('scene', 0)]['nodes']:
         visit(root, np.eye(4))
-    parts, triangles, count = [], [], 0
+    parts, points, normals, triangles, count = [], [], [], [], 0
     for index in filter(lambda index: 'mesh' in nodes[index], worlds):
         for primitive in document['meshes'][nodes[index]['mesh']]['primitives']:
             names = primitive['attributes']
@@ -69,19 +71,21 @@ def bend_glb(model, out, vertices):
                 inverse = numbers(skin['inverseBindMatrices']).reshape(-1, 4, 4).transpose(0, 2, 1)
                 joints = np.array([worlds[joint] for joint in skin['joints']]) @ inverse
                 matrices = np.einsum('nk,nkij->nij', numbers(names['WEIGHTS_0']), joints[numbers(names['JOINTS_0'])])
-            positions, normals = numbers(names['POSITION']), numbers(names['NORMAL'])
+            linear, shift = matrices[:, :3, :3], matrices[:, :3, 3]
+            back = np.linalg.inv(linear)
+            parts.append((names, linear, shift, back))
+            points.append(times(linear, numbers(names['POSITION'])) + shift)
+            normals.append(times(back.swapaxes(1, 2), numbers(names['NORMAL'])))
             triangles.append(numbers(primitive['indices']).reshape(-1, 3).astype(np.uint32) + count)
-            parts.append((accessors[names['POSITION']], positions, normals, matrices[:, :3, :3], matrices[:, :3, 3]))
-            count += len(positions)
-    bent, turned = bend(np.concatenate([times(linear, positions) + shift for _, positions, _, linear, shift in parts]),
-                        np.concatenate(triangles), vertices,
-                        np.concatenate([times(np.linalg.inv(linear).swapaxes(1, 2), normals) for _, _, normals, linear, _ in parts]))
-    for accessor, positions, normals, linear, shift in parts:
-        positions[:] = times(np.linalg.inv(linear), bent[:len(positions)] - shift)
-        turned_back = times(linear.swapaxes(1, 2), turned[:len(positions)])
-        normals[:] = turned_back / np.linalg.norm(turned_back, axis=1, keepdims=True)
-        accessor.update(min=positions.min(axis=0).tolist(), max=positions.max(axis=0).tolist())
-        bent, turned = bent[len(positions):], turned[len(positions):]
+            count += len(points[-1])
+    moved, turned = bend(np.concatenate(points), np.concatenate(triangles), vertices, np.concatenate(normals))
+    ends = np.cumsum([len(part) for part in points])
+    for (names, linear, shift, back), point, normal in zip(parts, np.split(moved, ends), np.split(turned, ends)):
+        positions = numbers(names['POSITION'])
+        positions[:] = times(back, point - shift)
+        accessors[names['POSITION']].update(min=positions.min(axis=0).tolist(), max=positions.max(axis=0).tolist())
+        normal = times(linear.swapaxes(1, 2), normal)
+        numbers(names['NORMAL'])[:] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     text = json.dumps(document).encode()
     text += b' ' * (-len(text) % 4)
     chunks = struct.pack('<I', len(text)) + b'JSON' + text + data[20 + length:]
