@@ -373,8 +373,8 @@ private:
         move_steps(2, i, own, tangent, carried, result);
     }
 
-    /// The steps of a normal (kind 1) or tangent (kind 2) by morph targets. Steps map as the vector does, so that
-    /// all weights give the moved vector.
+    /// The steps of a normal (kind 1) or tangent (kind 2) by morph targets. Steps map as the vector does, so
+    /// that all weights give the moved vector.
     template <class Carried>
     void move_steps(std::size_t kind, std::size_t i, const Point3& own, const Point3& now,
                     const Carried& carried, MovedRun& result) {
