@@ -566,12 +566,12 @@ private:
         std::vector<std::string> notes;
         const double size = size_of(mesh_);
         const auto add = [&](const std::string& what, double distance) {
-            notes.push_back(mesh_.name + ": " + what +
-                            "; at rest, the largest distance from the cage's result is " +
+            notes.push_back(mesh_.name + ": " + what + ", the largest distance from the cage's result is " +
                             detail::short_number(distance) + ", " +
                             detail::short_number(100 * distance / size) + " % of its size");
         };
-        if (target_error_ > 1e-6 * size) add("its morph targets are moved by the Jacobian", target_error_);
+        if (target_error_ > 1e-6 * size)
+            add("its morph targets are moved by the Jacobian; at full weight", target_error_);
         if (scene_.joints.empty() || moved_.drops_skins) return notes;
         const auto written = read_scene(document_, "the output");
         if (!written) throw GltfFault(written.error().message);
@@ -581,7 +581,7 @@ private:
             if (!std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), i))
                 distance = std::max(distance, norm(off));
         }
-        add("its skin is kept, and its joints are moved", distance);
+        add("its skin is kept, and its joints are moved; at rest", distance);
         return notes;
     }
 
