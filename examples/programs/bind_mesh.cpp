@@ -320,7 +320,8 @@ int run_program(int argc, char** argv) {
     fail_if(given.weights.fault(given.choice, given.moves.is_given()));
 
     const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (figure.faces.empty()) return fail(figure.name + ": has no faces, so no normals");
+    if (figure.faces.empty())
+        return fail(figure.name + ": has no faces, so no normals; bind_tiles binds points without faces");
     const auto cage = load_or_make_cage(given.cage, figure);
     for (const auto* file : {&figure, &cage}) {
         fail_if(single_precision_fault(*file));

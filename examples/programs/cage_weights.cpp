@@ -27,6 +27,7 @@
 #include "cli/progress_bar.hpp"
 #include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "files/point_file.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"
@@ -92,9 +93,13 @@ public:
         : settings_(settings)
         , coordinates_(std::move(coordinates))
         , describe_faults_(describe_faults)
-        , origin_(origin)
-        , reader_(settings.points_path, settings.is_strict) {
-        fail_if(reader_.error());
+        , origin_(origin) {
+        if (D == 3 &&
+            (is_mesh_path(settings.points_path) || lowercase_extension(settings.points_path) == ".npy"))
+            file_.emplace(settings.points_path);
+        else
+            rows_.emplace(settings.points_path, settings.is_strict);
+        fail_if(file_ ? file_->error() : rows_->error());
         total_.cage = coordinates_.cage_report();
         check(total_.cage.status, total_);
         bounds_ = point_bounds(coordinates_.handles());
@@ -113,8 +118,7 @@ public:
         std::vector<std::array<double, D>> numbers;
         // A first batch without points checks the cage even if there are no points.
         for (bool more = true, first = true; more; first = false) {
-            more = reader_.read(numbers, batch);
-            fail_if(reader_.error());
+            more = read(numbers, batch);
             if (first && numbers.size() == batch && !coordinates_.closed_form()) { // probably more batches
                 const auto evaluation = coordinates_.solve({.progress = progress});
                 total_.solver = evaluation.solver;
@@ -124,7 +128,7 @@ public:
             add(numbers, first);
             out.write(text_);
             text_.clear();
-            if (progress) progress(reader_.fraction());
+            if (progress && rows_) progress(rows_->fraction());
         }
         if (total_.points == 0) return fail(settings_.points_path + ": holds no points");
         if (not_finite_ > 0) {
@@ -139,6 +143,25 @@ public:
     }
 
 private:
+    /// Reads up to `most` points; false at the end.
+    bool read(std::vector<std::array<double, D>>& points, std::size_t most) {
+        if (rows_) {
+            const bool more = rows_->read(points, most);
+            fail_if(rows_->error());
+            return more;
+        }
+        std::vector<double> numbers;
+        points.resize(file_->read(most, numbers));
+        fail_if(file_->error());
+        for (std::size_t n = 0; n < D * points.size(); ++n) {
+            if (settings_.is_strict && !std::isfinite(T(numbers[n])))
+                throw Failure(settings_.points_path + ": point " + std::to_string(total_.points + n / D) +
+                              " is not finite");
+            points[n / D][n % D] = numbers[n];
+        }
+        return !points.empty();
+    }
+
     /// Fails with the report unless the status is ok.
     void check(cageform::Status status, cageform::BindReport& report) const {
         report.status = status;
@@ -233,7 +256,8 @@ private:
     const ChosenCoordinates<T, D> coordinates_;
     const Describe& describe_faults_;
     const cageform::Vec<double, D> origin_;
-    PointReader<D, T> reader_;
+    std::optional<PointReader<D, T>> rows_; // one of these two is set
+    std::optional<PointFile> file_;
     cageform::Bounds<T, D> bounds_; // of the handles
     cageform::BindOptions options_;
     bool weights_outside_ = false;
@@ -326,7 +350,8 @@ int run_program(int argc, char** argv) {
              "and sibson-c1 a file of points; or a .lattice.json file")
         .required();
     line.add("--points", settings.points_path,
-             "a CSV file with one line x,y or x,y,z per point; a first row of words is a header")
+             "a CSV file with one line x,y or x,y,z per point; a first row of words is a header. In space "
+             "also the vertices of a mesh, or an array of numpy")
         .required();
     line.add("--labels", settings.labels_path,
              "a text file with names of the cage's vertices, for the columns");

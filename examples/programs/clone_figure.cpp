@@ -118,6 +118,22 @@ public:
         if (has_faces && clone(figure, figure.rest_handles(), points) == Status::ok) rest_ = places(points);
     }
 
+    /// Warns if vertices of the mesh are far from the points of the figure at rest.
+    void compare(const MeshFile& mesh) const {
+        std::size_t farthest = 0;
+        double largest = 0;
+        for (std::size_t i = 0; i < rest_.size(); ++i) {
+            double square = 0;
+            for (std::size_t k = 0; k < D; ++k) square += std::pow(rest_[i][k] - mesh.vertices[i][k], 2);
+            if (square > largest) farthest = i;
+            largest = std::max(largest, square);
+        }
+        if (std::sqrt(largest) > 0.02 * size_of(mesh))
+            warn(given_.mesh + ": v " + std::to_string(farthest + 1) + " is " +
+                 detail::short_number(std::sqrt(largest)) + " from point " + std::to_string(farthest) +
+                 " of " + given_.figure + " at rest: is this the mesh that was bound?");
+    }
+
     /// Computes and writes a row. Thread-safe.
     Outcome write(const PoseRows<D>& poses, const PoseRow& row) const {
         const auto start = std::chrono::steady_clock::now();
@@ -354,9 +370,13 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
                                    : format == PosedFormat::npy ? describe_others(*mesh, {"v"})
                                                                 : describe_others(*mesh, {"v", "f"});
         if (!others.empty())
-            note(given.mesh + ": not written: " + others + "; " + extensions_of(*mesh)[0] +
-                 " files keep all");
-        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
+            note(given.mesh + ": not written: " + others + "; " +
+                 (extensions_of(*mesh)[0] == ".glb" ? "deform_mesh keeps"
+                                                    : extensions_of(*mesh)[0] + " files keep") +
+                 " all");
+        const Cloner<T, D> cloner(given, figure, parts, std::move(file), has_faces);
+        cloner.compare(*mesh);
+        return write_rows(given, cloner, poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; a mesh is in space");
     }

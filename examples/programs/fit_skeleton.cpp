@@ -31,6 +31,7 @@ using namespace cageform_support;
 
 struct Arguments {
     std::string rest, animation, out, picture, axes = "x,y,z";
+    std::string motion_name; // in the output
     std::vector<std::string> frames;
     double rate = 0; // 0: the times of an MDD file, else default_rate
     SkeletonChoice choice{.bones = "auto"};
@@ -85,6 +86,8 @@ MddFile sample_animation(Arguments& given, const MeshFile& figure) {
         throw Failure(figure.name + ": " + detail::short_number(given.rate) +
                       " frames per second are more than 100000 in all: give a smaller --rate");
     given.frames = {figure.name + ", animation " + std::to_string(index)};
+    const GltfJson own_name = scene->document.array("animations")[index].value("name", GltfJson());
+    if (own_name.is_string()) given.motion_name = own_name.get<std::string>();
     MddFile file;
     for (std::size_t k = 0; file.times.empty() || file.times.back() < double(float(animation.length()));
          ++k) {
@@ -98,6 +101,22 @@ MddFile sample_animation(Arguments& given, const MeshFile& figure) {
         }
     }
     return file;
+}
+
+/// Returns the error if both meshes have as many faces, but not of the same vertices; else empty.
+std::string fault_of_faces(const MeshFile& figure, const MeshFile& frame) {
+    const auto sorted = [](const MeshFile& mesh, std::size_t f) { // --flip-faces reverses faces
+        std::vector<std::uint32_t> vertices;
+        for (const MeshCorner& corner : mesh.faces[f].corners) vertices.push_back(corner.vertex);
+        std::sort(vertices.begin(), vertices.end());
+        return vertices;
+    };
+    for (std::size_t f = 0; figure.faces.size() == frame.faces.size() && f < figure.faces.size(); ++f) {
+        if (sorted(figure, f) != sorted(frame, f))
+            return frame.name + ": face " + std::to_string(f + 1) + " has other vertices than that of " +
+                   figure.name + ": a frame is the figure with its vertices moved";
+    }
+    return {};
 }
 
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
@@ -137,6 +156,7 @@ MddFile read_frames(Arguments& given, MeshFile& figure) {
                           given.rest + " has " + std::to_string(figure.vertices.size()) +
                           ": a frame is the figure with its vertices moved");
         }
+        fail_if(fault_of_faces(figure, frame));
         fail_if(leave_out_also(figure, frame.left_out, path + ": ", given.is_strict));
         fail_if(single_precision_fault(frame));
         frames.push_back(std::move(frame.vertices));
@@ -229,8 +249,7 @@ int fit_figure(Arguments& given, MeshFile figure) {
     }
     print_warnings(gltf.warnings);
     for (const std::string& text : gltf.notes) note(text);
-    add_skeleton(gltf, motion.skeleton, motion.keys, "float",
-                 std::filesystem::path(given.rest).stem().string(), origin);
+    add_skeleton(gltf, motion.skeleton, motion.keys, "float", given.motion_name, origin);
 
     OutputFiles outputs;
     const std::size_t bytes = value_or_fail(save_gltf(gltf.document, given.out, outputs));
@@ -290,6 +309,7 @@ int run_program(int argc, char** argv) {
     line.add_flag("--report", given.report, "print bones, keys, distances and times");
     line.set_footer(mesh_formats + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    given.motion_name = std::filesystem::path(given.rest).stem().string();
 
     auto figure = load_mesh_figure(given.rest, given.is_strict);
     fail_if(single_precision_fault(figure));

@@ -320,7 +320,7 @@ cd ..
 without_inputs="make_hand hand_sheet sibson_figures"
 # Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area"
+  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area --animation"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

@@ -186,7 +186,7 @@ TEST_CASE("an animation has its keys, and the interpolation between them", "[exa
     REQUIRE(*find_animation(scene, "0", "in.glb") == 0);
     REQUIRE(*find_animation(scene, "", "in.glb") == 0);
     REQUIRE(find_animation(scene, "1", "in.glb").error().message ==
-            "in.glb: has no animation \"1\"; it has 1");
+            "in.glb: has no animation \"1\"; it has \"motion\"");
     const auto animation = GltfAnimation::read(scene, 0, "in.glb");
     REQUIRE(animation);
     double length = 0;
@@ -195,6 +195,24 @@ TEST_CASE("an animation has its keys, and the interpolation between them", "[exa
         length = std::max(length, keys.times.back());
     }
     CHECK(animation->length() == length);
+}
+
+TEST_CASE("faces of a mesh that two nodes share are reversed once", "[examples][gltf]") {
+    Random random(1);
+    GltfDocument document = random_triangle(random);
+    document.append("nodes", {{"mesh", 0}, {"translation", {1, 2, 3}}});
+    auto file = read_scene(std::move(document), "in.glb");
+    REQUIRE(file);
+    const auto triangles = file->triangles;
+    const MeshFile turned = with_faces_reversed(std::move(*file));
+    const auto written = turned.document->moved(turned, {turned.vertices}, "out.glb");
+    REQUIRE(written);
+    const auto again = parse_gltf(written->files[0].bytes, "out.glb");
+    REQUIRE(again);
+    REQUIRE(again->triangles.size() == 2);
+    CHECK(again->triangles == turned.triangles);
+    for (std::size_t t = 0; t < 2; ++t)
+        CHECK(again->triangles[t] == std::array{triangles[t][0], triangles[t][2], triangles[t][1]});
 }
 
 TEST_CASE("messages on broken animations name the channel and the sampler", "[examples][gltf]") {

@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh python3 python3-numpy python3-setuptools python3-wheel python3-build python3-venv python3-pip \
-  python3-matplotlib mypy debootstrap librsvg2-bin
+  python3-matplotlib python3-meshio mypy debootstrap librsvg2-bin
 sh cmake/build_shared.sh
 python=/usr/bin/python3
 lib=$PWD/build/shared
@@ -55,7 +55,15 @@ scripts=examples/bindings/python/scripts data=examples/data out=out/python
 mkdir -p $out
 $python $scripts/svg_points.py $data/cat.svg $data/cat_cage.svg $data/cat_pose_step.svg $out/cat.svg
 rsvg-convert -o $out/cat.png $out/cat.svg
-$python $scripts/mesh.py tests/data/fingers/cage.obj $out 60
+for format in obj ply stl; do
+  $python $scripts/model.py tests/data/fingers/cage.obj $out/bent.$format
+done
+$python $scripts/model.py $out/bent.stl $out/bent_again.stl
+sh cmake/install_packages.sh libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev nlohmann-json3-dev libgmp-dev
+[ -f build/build.ninja ] || cmake --preset examples >/dev/null
+cmake --build build --target make_character >"$work/log.txt" 2>&1 || { cat "$work/log.txt"; exit 1; }
+build/examples/make_character -o $out/character.glb >/dev/null
+$python $scripts/model.py $out/character.glb $out/bent.glb
 $python $scripts/clip.py
 $python $scripts/gradients.py
 $python $scripts/skeleton.py

@@ -170,8 +170,13 @@ Expected<GltfIndex> find_animation(const GltfScene& scene, const std::string& gi
         if (detail::parse_number(given, number).empty() && number >= 0 && number < double(list.size()) &&
             number == std::floor(number))
             return GltfIndex(number);
-        return FileError{name + ": has no animation " + detail::quoted(given) + "; it has " +
-                         std::to_string(list.size())};
+        std::string names;
+        for (GltfIndex a = 0; a < list.size(); ++a) {
+            const GltfJson own = list[a].value("name", GltfJson());
+            names += (a == 0 ? "" : ", ") +
+                     (own.is_string() ? detail::quoted(own.get<std::string>()) : std::to_string(a));
+        }
+        return FileError{name + ": has no animation " + detail::quoted(given) + "; it has " + names};
     } catch (const GltfFault& fault) {
         return FileError{name + ": " + fault.what()};
     }

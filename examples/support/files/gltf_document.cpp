@@ -201,7 +201,8 @@ void GltfDocument::read_container(std::string bytes) {
     if (asset == json.end() || !asset->is_object() || !asset->contains("version"))
         throw GltfFault("has no asset with a version");
     const auto& version = (*asset)["version"];
-    if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+    if (!version.is_string()) throw GltfFault("its version is not a text, such as \"2.0\"");
+    if (!version.get_ref<const std::string&>().starts_with("2."))
         throw GltfFault("is glTF of version " + version.dump() + "; version 2.0 is read");
 }
 
@@ -637,11 +638,48 @@ Expected<std::vector<WrittenFile>> GltfDocument::files(const std::filesystem::pa
     std::size_t bytes = 0;
     for (const Buffer& buffer : buffers_) bytes += buffer.bytes.size();
     if (bytes > most_bytes) return FileError{path.string() + ": would be larger than the format allows"};
-    return lowercase_extension(path) == ".glb" ? glb_files(path) : gltf_files(path);
+    GltfJson whole_json = json;
+    std::vector<WrittenFile> images;
+    try {
+        images = copied_images(path, whole_json);
+    } catch (const GltfFault& fault) {
+        return FileError{path_ + ": " + fault.what()};
+    }
+    auto files = lowercase_extension(path) == ".glb" ? glb_files(path, std::move(whole_json))
+                                                     : gltf_files(path, std::move(whole_json));
+    std::move(images.begin(), images.end(), std::back_inserter(files));
+    return files;
 }
 
-std::vector<WrittenFile> GltfDocument::glb_files(const std::filesystem::path& path) const {
-    GltfJson whole_json = json;
+/// For an output in another folder: sets the URIs of images, and returns their files.
+std::vector<WrittenFile> GltfDocument::copied_images(const std::filesystem::path& path,
+                                                     GltfJson& whole_json) const {
+    std::vector<WrittenFile> files;
+    if (path_.empty() || path.parent_path() == std::filesystem::path(path_).parent_path()) return files;
+    for (GltfIndex i = 0; i < array("images").size(); ++i) {
+        const std::string user = "image " + std::to_string(i);
+        const std::string uri = object("images", i, user).value("uri", std::string());
+        if (uri.empty() || has_scheme(uri)) continue;
+        std::string bytes = read_beside(uri, user);
+        const std::filesystem::path own = percent_decoded(uri);
+        std::filesystem::path name = own.filename();
+        const auto is_taken = [&] { // by a file with other contents
+            const auto found = path.parent_path() / name;
+            const auto same = std::find_if(files.begin(), files.end(),
+                                           [&](const WrittenFile& file) { return file.path == found; });
+            if (same != files.end()) return same->bytes != bytes;
+            return std::filesystem::exists(found) && read_file(found.string()).value_or({}) != bytes;
+        };
+        for (std::size_t n = 1; is_taken(); ++n)
+            name = own.stem().string() + '_' + std::to_string(n) + own.extension().string();
+        whole_json["images"][i]["uri"] = percent_encoded(name.string());
+        files.push_back({path.parent_path() / name, std::move(bytes)});
+    }
+    return files;
+}
+
+std::vector<WrittenFile> GltfDocument::glb_files(const std::filesystem::path& path,
+                                                 GltfJson whole_json) const {
     std::vector<WrittenFile> files(1);
     std::string bytes;
     if (is_binary_ && !repacks_ && !buffers_.empty()) {
@@ -701,8 +739,8 @@ std::string GltfDocument::packed_bytes(GltfJson& whole_json) const {
     return bytes;
 }
 
-std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& path) const {
-    GltfJson whole_json = json;
+std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& path,
+                                                  GltfJson whole_json) const {
     std::vector<WrittenFile> files(1);
     if (repacks_) {
         GltfDocument packed = *this;

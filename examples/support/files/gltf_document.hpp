@@ -184,10 +184,11 @@ private:
     }
     std::string json_text(const GltfJson& whole_json, int new_indent) const;
     std::string packed_bytes(GltfJson& whole_json) const;
-    std::vector<WrittenFile> glb_files(const std::filesystem::path& path) const;
+    std::vector<WrittenFile> copied_images(const std::filesystem::path& path, GltfJson& whole_json) const;
+    std::vector<WrittenFile> glb_files(const std::filesystem::path& path, GltfJson whole_json) const;
     void write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
                        std::vector<WrittenFile>& files) const;
-    std::vector<WrittenFile> gltf_files(const std::filesystem::path& path) const;
+    std::vector<WrittenFile> gltf_files(const std::filesystem::path& path, GltfJson whole_json) const;
 
     static const char* type_of(std::size_t components) {
         return components == 1   ? "SCALAR"

@@ -105,7 +105,9 @@ Expected<GltfFigure> figure_of_scene(const MeshFile& figure, GltfMotion motion) 
     const auto baked = without_skins(figure);
     if (!baked) return baked.error();
     auto gltf = SurfaceMaker(*baked, static_cast<const GltfScene&>(*baked->document)).make(motion);
-    gltf.notes.push_back(figure.name + ": its skin is replaced");
+    gltf.notes.push_back(figure.name +
+                         ": its skin is replaced, so its animations of joints no longer move its "
+                         "vertices");
     return gltf;
 }
 

@@ -57,10 +57,10 @@ public:
         , rounding_(16 * std::numeric_limits<double>::epsilon() *
                     cageform::bounds_of(std::span<const Point3>(mesh.vertices)).magnitude()) {}
 
-    MovedFile write(const std::filesystem::path& path) {
+    Expected<MovedFile> write(const std::filesystem::path& path) {
         auto files = document().files(path);
-        if (!files) throw GltfFault(files.error().message);
-        return {std::move(*files), notes()};
+        if (!files) return files.error();
+        return MovedFile{std::move(*files), notes()};
     }
 
     /// Moves the vertices; returns the document.
@@ -289,6 +289,11 @@ private:
             place = place - run.weights[t] * stored;
         }
         result.places.push_back(single(place));
+        for (const float x : result.places.back()) {
+            if (!std::isfinite(x))
+                throw GltfFault("v " + std::to_string(vertex + 1) +
+                                ": its moved position is not finite in single precision");
+        }
         if (run.normal != gltf_none) move_normal(run, i, map, back, jacobian, result);
         if (run.tangent != gltf_none) move_tangent(i, map, back, jacobian, result);
     }
@@ -561,13 +566,14 @@ private:
         std::vector<std::string> notes;
         const double size = size_of(mesh_);
         const auto add = [&](const std::string& what, double distance) {
-            notes.push_back(mesh_.name + ": " + what + "; the largest distance from the cage's result is " +
+            notes.push_back(mesh_.name + ": " + what + ", the largest distance from the cage's result is " +
                             detail::short_number(distance) + ", " +
                             detail::short_number(100 * distance / size) + " % of its size");
         };
-        if (target_error_ > 1e-6 * size) add("its morph targets are moved by the Jacobian", target_error_);
+        if (target_error_ > 1e-6 * size)
+            add("its morph targets are moved by the Jacobian; at full weight", target_error_);
         if (scene_.joints.empty() || moved_.drops_skins) return notes;
-        const auto written = read_scene(document_, mesh_.name);
+        const auto written = read_scene(document_, "the output");
         if (!written) throw GltfFault(written.error().message);
         double distance = 0;
         for (std::size_t i = 0; i < written->vertices.size(); ++i) {
@@ -575,7 +581,7 @@ private:
             if (!std::binary_search(mesh_.left_out.begin(), mesh_.left_out.end(), i))
                 distance = std::max(distance, norm(off));
         }
-        add("its skin is kept, and its joints are moved", distance);
+        add("its skin is kept, and its joints are moved; at rest", distance);
         return notes;
     }
 

@@ -476,9 +476,10 @@ std::shared_ptr<const MeshDocument> GltfScene::with_faces_reversed() const {
     std::set<std::pair<GltfIndex, std::size_t>> done;
     for (const GltfVertices& run : runs) {
         for (const std::size_t p : run.primitives) {
+            if (!done.insert({run.mesh, p}).second) continue;
             GltfJson& primitive = scene->document.json["meshes"][run.mesh]["primitives"][p];
             auto corners = corners_of(document, primitive, run.count(), "a primitive");
-            if (corners.empty() || !done.insert({run.mesh, p}).second) continue;
+            if (corners.empty()) continue;
             std::vector<std::array<std::uint32_t, 1>> indices;
             for (std::size_t n = 0; n < corners.size(); ++n) // the first corner stays the first
                 indices.push_back({corners[n % 3 == 0 ? n : n % 3 == 1 ? n + 1 : n - 1]});

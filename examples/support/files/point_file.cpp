@@ -19,6 +19,12 @@ PointFile::PointFile(const std::string& path)
     } else if (ending == ".npy") {
         error_ = npy_.emplace(path).error();
         if (error_.empty()) read_npy_header();
+    } else if (ending == ".glb" || ending == ".gltf" || ending == ".stl") {
+        auto mesh = load_mesh(path);
+        if (mesh)
+            mesh_ = std::move(mesh->vertices);
+        else
+            error_ = to_string(mesh.error());
     } else {
         (void)ply_.emplace(path).begin("vertex", {"x", "y", "z"});
         error_ = ply_->error();
@@ -26,7 +32,7 @@ PointFile::PointFile(const std::string& path)
 }
 
 bool PointFile::may_retry() const {
-    return ply_ ? ply_->may_retry() : obj_ ? obj_->may_retry() : npy_->may_retry();
+    return ply_ ? ply_->may_retry() : obj_ ? obj_->may_retry() : npy_ && npy_->may_retry();
 }
 
 bool PointFile::fail(const std::string& why) {
@@ -126,6 +132,9 @@ std::size_t PointFile::read(std::size_t most, std::vector<double>& numbers) {
     if (ply_) {
         count = ply_->read(most, numbers);
         error_ = ply_->error();
+    } else if (mesh_) {
+        for (; count < most && at_ < mesh_->size(); ++at_, ++count)
+            numbers.insert(numbers.end(), std::begin((*mesh_)[at_].v), std::end((*mesh_)[at_].v));
     } else {
         while (count < most && (obj_ ? read_vertex(numbers) : read_row(numbers))) ++count;
     }
@@ -135,6 +144,7 @@ std::size_t PointFile::read(std::size_t most, std::vector<double>& numbers) {
 }
 
 std::optional<std::uint64_t> PointFile::hash_to_end() {
+    if (mesh_) return InputFile(path_).hash_to_end();
     const auto hash = ply_ ? ply_->hash_to_end() : obj_ ? obj_->hash_to_end() : npy_->hash_to_end();
     if (error_.empty()) error_ = ply_ ? ply_->error() : obj_ ? obj_->error() : npy_->error();
     return hash;

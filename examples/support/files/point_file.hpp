@@ -1,7 +1,9 @@
 #pragma once
 
-// Reads points in space from files of any size in blocks: vertices of PLY and OBJ files, numpy arrays.
+// Reads points in space in blocks: vertices of PLY and OBJ files and numpy arrays of any size, vertices of
+// other meshes.
 
+#include "files/mesh_file.hpp"
 #include "files/ply_file.hpp"
 #include "io/input_file.hpp"
 
@@ -16,8 +18,9 @@ namespace cageform_support {
 /// Help text on files of points.
 inline constexpr const char* point_file_format =
     "Points are the vertices of PLY and OBJ files (.ply, .obj), and arrays of numpy (.npy)\n"
-    "of N x 3 numbers in float32 or float64, in C order. Points that are not finite keep\n"
-    "their place in the order, and no pose moves them. A warning counts them.\n";
+    "of N x 3 numbers in float32 or float64, in C order, of any size; or the vertices of\n"
+    "glTF and STL files (.glb, .gltf, .stl). Points that are not finite keep their place in\n"
+    "the order, and no pose moves them. A warning counts them.\n";
 
 /// Sequential reader of a file of points. The format follows from the extension.
 class PointFile {
@@ -42,10 +45,11 @@ private:
     bool read_row(std::vector<double>& numbers);
 
     std::string path_, error_;
-    std::optional<PlyReader> ply_; // exactly one of these three is set
+    std::optional<PlyReader> ply_; // at most one of these four is set
     std::optional<LineReader> obj_;
     std::optional<InputFile> npy_;
-    std::string buffer_; // of an array; unread from at_
+    std::optional<std::vector<Point3>> mesh_; // vertices; unread from at_
+    std::string buffer_;                      // of an array; unread from at_
     std::size_t at_ = 0;
     std::uint64_t left_ = 0; // remaining points of an array
     std::size_t number_bytes_ = 0;
