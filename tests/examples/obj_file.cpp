@@ -401,7 +401,8 @@ TEST_CASE("a file of another format is recognized by its first bytes", "[example
 TEST_CASE("faults of an OBJ file are reported with their lines", "[examples][obj]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(refusal("") == "file.obj: is empty");
-    for (const char* const text : {"# nothing\n", "f 1 2 3\n"})
+    for (const std::string& text : {std::string("# nothing\n"), std::string("f 1 2 3\n"),
+                                    std::string("\1\nv \0\n", 6)}) // a binary file
         CHECK(refusal(text) ==
               "file.obj: holds no vertices: it is no glTF, PLY, STL or Medit file, and has no "
               "OBJ lines \"v x y z\"");

@@ -175,7 +175,7 @@ bool is_medit(std::string_view text) {
 
 /// Whether a file is text with `v` statements.
 bool has_obj_vertices(std::string_view text) {
-    if (text.substr(0, 512).find('\0') != text.npos) return false;
+    if (has_control_characters(text.substr(0, 512))) return false;
     std::vector<std::string_view> words;
     std::size_t line = 0;
     for (ObjScanner scanner(text); scanner.next(words, line);) {

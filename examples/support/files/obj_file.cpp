@@ -1,6 +1,7 @@
 #include "files/obj_file.hpp"
 
 #include "files/moved_normals.hpp"
+#include "files/stl_file.hpp"
 #include "io/csv.hpp"
 #include "io/input_file.hpp"
 
@@ -105,13 +106,7 @@ public:
     /// Returns the error, if any.
     std::optional<FileError> read() {
         if (auto error = read_vertices()) return error;
-        if (file_.vertices.empty()) {
-            const std::string format = likely_format();
-            return FileError{file_.name + ": holds no vertices: it " +
-                             (format.empty() ? "is no glTF, PLY, STL or Medit file, and has no OBJ lines "
-                                               "\"v x y z\""
-                                             : format)};
-        }
+        if (file_.vertices.empty()) return refuse_all();
         complete_colours();
         if (auto error = read_faces()) return error;
         std::string why = place_left_out(file_, used_, strays_);
@@ -124,7 +119,16 @@ private:
     FileError refuse(const std::string& why) const {
         const std::string format = likely_format();
         if (!format.empty()) return FileError{file_.name + ": " + format};
+        if (has_control_characters(std::string_view(file_.text).substr(0, 512))) return refuse_all();
         return FileError{file_.name + ": " + why, line_};
+    }
+
+    /// The error of a file without vertices.
+    FileError refuse_all() const {
+        const std::string format = likely_format();
+        return {file_.name + ": holds no vertices: it " +
+                (format.empty() ? "is no glTF, PLY, STL or Medit file, and has no OBJ lines \"v x y z\""
+                                : format)};
     }
 
     /// "looks like a file of the format FBX"; empty if no other format is known.

@@ -25,13 +25,6 @@ std::uint64_t end_of_triangles(std::string_view bytes) {
     return stl_head + declared_triangles(bytes) * stl_triangle;
 }
 
-/// Whether a head has bytes that no text has. The number of triangles has one in files of up to 2 GB.
-bool is_binary_head(std::string_view head) {
-    return std::any_of(head.begin(), head.end(), [](char c) {
-        return c >= 0 && c < ' ' && stl_blanks.find(c) == std::string_view::npos;
-    });
-}
-
 struct StlFacet {
     std::array<PlacedNumber, 3> normal;
     std::array<std::array<PlacedNumber, 3>, 3> corners;
@@ -58,7 +51,8 @@ public:
         }
         if (bytes.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
         const bool is_solid = is_word(next_word(), "solid");
-        if (is_solid && !is_binary_head(bytes.substr(0, stl_head))) {
+        // The number of triangles of a binary file has control characters if the file has up to 2 GB.
+        if (is_solid && !has_control_characters(bytes.substr(0, stl_head))) {
             skip_line();
             return;
         }
@@ -280,6 +274,12 @@ struct PlaceHash {
 };
 
 } // namespace
+
+bool has_control_characters(std::string_view bytes) {
+    return std::any_of(bytes.begin(), bytes.end(), [](char c) {
+        return c >= 0 && c < ' ' && stl_blanks.find(c) == std::string_view::npos;
+    });
+}
 
 bool is_binary_stl(std::string_view bytes) {
     return bytes.size() > stl_head && declared_triangles(bytes) > 0 &&

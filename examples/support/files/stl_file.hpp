@@ -11,6 +11,9 @@
 
 namespace cageform_support {
 
+/// Whether bytes have control characters other than blanks, which text does not have.
+bool has_control_characters(std::string_view bytes);
+
 /// Whether a file is binary STL: it declares triangles and has bytes for all. Others may follow.
 bool is_binary_stl(std::string_view bytes);
 
