@@ -95,7 +95,7 @@ struct RandomFile {
     }
 };
 
-/// The number at the beginning of a text.
+/// Removes the number at the beginning of a text, and returns it.
 double taken_number(const RandomFile& file, const Piece& piece, std::string_view& text) {
     if (file.encoding == PlyEncoding::ascii) {
         const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
@@ -539,7 +539,7 @@ TEST_CASE("triangle strips are read with alternating sides", "[examples][mesh_fo
           std::vector<std::vector<std::uint32_t>>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}});
 }
 
-TEST_CASE("a PLY file without text has one object for glTF", "[examples][mesh_formats]") {
+TEST_CASE("a PLY file becomes one object in glTF", "[examples][mesh_formats]") {
     with_random_files(100, [](Random& random) {
         const MeshFile mesh = *ply_of(random_ply(random).text());
         const ObjParts parts = read_parts(mesh);
