@@ -69,7 +69,7 @@ std::string text_of(const GltfJson& object, const char* key, const std::string& 
     return found->get<std::string>();
 }
 
-/// Decodes %41 and so on (RFC 3986, section 2.1).
+/// Decodes percent-encoded bytes, such as %41 (RFC 3986, section 2.1).
 std::string percent_decoded(std::string_view uri) {
     std::string text;
     for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -557,7 +557,7 @@ bool GltfDocument::Elements::alternate_with(const Elements& other) const {
 }
 
 void GltfDocument::find_shared() {
-    constexpr std::size_t most_open = 64; // accessors that overlap in a document that is not hostile
+    constexpr std::size_t most_open = 64; // if more accessors overlap, all of them count as shared
     const GltfJson& all = array("accessors");
     std::vector<std::pair<Elements, std::size_t>> sorted;
     is_shared_.assign(all.size(), false);
@@ -572,6 +572,7 @@ void GltfDocument::find_shared() {
         return std::pair(a.first.buffer, a.first.begin) < std::pair(b.first.buffer, b.first.begin);
     });
     std::vector<std::size_t> open; // of `sorted`: elements that end after the current begin
+    std::pair<std::size_t, std::size_t> crowded; // buffer and end of accessors that were left out of `open`
     for (std::size_t n = 0; n < sorted.size(); ++n) {
         const auto& [own, accessor] = sorted[n];
         const std::size_t begin = own.begin, buffer = own.buffer;
@@ -581,11 +582,18 @@ void GltfDocument::find_shared() {
                                              sorted[o].first.end() <= begin;
                                   }),
                    open.end());
+        const bool is_crowded = crowded.first == buffer && begin < crowded.second;
+        if (is_crowded) is_shared_[accessor] = true;
         for (const std::size_t o : open) {
-            if (open.size() <= most_open && own.alternate_with(sorted[o].first)) continue;
+            if (open.size() < most_open && own.alternate_with(sorted[o].first)) continue;
             is_shared_[accessor] = is_shared_[sorted[o].second] = true;
         }
         open.push_back(n);
+        if (open.size() <= most_open) continue;
+        std::size_t end = is_crowded ? crowded.second : 0;
+        for (const std::size_t o : open) end = std::max(end, sorted[o].first.end());
+        crowded = {buffer, end};
+        open.clear();
     }
 }
 
@@ -607,17 +615,6 @@ bool GltfDocument::overwrite(GltfIndex index, std::string_view values, std::size
         buffer.is_changed = true;
     }
     return true;
-}
-
-std::vector<std::string> GltfDocument::outside_files() const {
-    std::vector<std::string> names;
-    for (const char* list : {"images", "buffers"}) {
-        for (const GltfJson& object : array(list)) {
-            const std::string uri = object.is_object() ? object.value("uri", "") : "";
-            if (!uri.empty() && !uri.starts_with("data:")) names.push_back(percent_decoded(uri));
-        }
-    }
-    return names;
 }
 
 /// The JSON, with the indentation of the file; the text of the file if nothing has changed.
