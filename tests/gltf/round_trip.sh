@@ -26,7 +26,6 @@ poses() { # KIND OPERATION…
   shift
   rm -rf "${folder:?}/$kind"
   mkdir "$folder/$kind"
-  cp "$folder"/models/*.png "$folder/$kind"
   for model in "$folder"/models/*.gl*; do
     name=$(basename "$model")
     if "$deform" "$model" --cage box "$@" -o "$folder/$kind/$name" >"$folder/log" 2>&1; then

@@ -571,8 +571,8 @@ void GltfDocument::find_shared() {
     std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first.buffer, a.first.begin) < std::pair(b.first.buffer, b.first.begin);
     });
-    std::vector<std::size_t> open; // of `sorted`: elements that end after the current begin
-    std::pair<std::size_t, std::size_t> crowded; // buffer and end of accessors that were left out of `open`
+    std::vector<std::size_t> open;               // of `sorted`: elements that end after the current begin
+    std::pair<std::size_t, std::size_t> crowded; // buffer and end of accessors left out of `open`
     for (std::size_t n = 0; n < sorted.size(); ++n) {
         const auto& [own, accessor] = sorted[n];
         const std::size_t begin = own.begin, buffer = own.buffer;
@@ -648,29 +648,50 @@ Expected<std::vector<WrittenFile>> GltfDocument::files(const std::filesystem::pa
     return files;
 }
 
+/// Whether two files are in the same folder.
+static bool are_in_one_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+    const auto folder = [](const std::filesystem::path& path) {
+        return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    };
+    std::error_code error;
+    return folder(a) == folder(b) || std::filesystem::equivalent(folder(a), folder(b), error);
+}
+
+static auto find_path(const std::vector<WrittenFile>& files, const std::filesystem::path& path) {
+    return std::find_if(files.begin(), files.end(),
+                        [&](const WrittenFile& file) { return file.path == path; });
+}
+
+/// The file name of a path, with a number appended where it is taken.
+template <class Taken>
+static std::filesystem::path free_name(const std::filesystem::path& path, const Taken& is_taken) {
+    std::filesystem::path name = path.filename();
+    for (std::size_t n = 1; is_taken(name); ++n)
+        name = path.stem().string() + '_' + std::to_string(n) + path.extension().string();
+    return name;
+}
+
 /// For an output in another folder: sets the URIs of images, and returns their files.
 std::vector<WrittenFile> GltfDocument::copied_images(const std::filesystem::path& path,
                                                      GltfJson& whole_json) const {
     std::vector<WrittenFile> files;
-    if (path_.empty() || path.parent_path() == std::filesystem::path(path_).parent_path()) return files;
+    if (path_.empty() || are_in_one_folder(path, path_)) return files;
     for (GltfIndex i = 0; i < array("images").size(); ++i) {
         const std::string user = "image " + std::to_string(i);
         const std::string uri = object("images", i, user).value("uri", std::string());
         if (uri.empty() || has_scheme(uri)) continue;
         std::string bytes = read_beside(uri, user);
-        const std::filesystem::path own = percent_decoded(uri);
-        std::filesystem::path name = own.filename();
-        const auto is_taken = [&] { // by a file with other contents
-            const auto found = path.parent_path() / name;
-            const auto same = std::find_if(files.begin(), files.end(),
-                                           [&](const WrittenFile& file) { return file.path == found; });
-            if (same != files.end()) return same->bytes != bytes;
-            return std::filesystem::exists(found) && read_file(found.string()).value_or({}) != bytes;
-        };
-        for (std::size_t n = 1; is_taken(); ++n)
-            name = own.stem().string() + '_' + std::to_string(n) + own.extension().string();
+        bool is_there = false; // whether a file has the same bytes
+        const std::filesystem::path name =
+            free_name(percent_decoded(uri), [&](const std::filesystem::path& candidate) {
+                const auto place = path.parent_path() / candidate;
+                const auto same = find_path(files, place);
+                is_there = same != files.end() || std::filesystem::exists(place);
+                if (!is_there) return false;
+                return (same != files.end() ? same->bytes : read_file(place.string()).value_or({})) != bytes;
+            });
         whole_json["images"][i]["uri"] = percent_encoded(name.string());
-        files.push_back({path.parent_path() / name, std::move(bytes)});
+        if (!is_there) files.push_back({path.parent_path() / name, std::move(bytes)});
     }
     return files;
 }
@@ -755,7 +776,7 @@ std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& p
 ///   first   index of the first buffer that is not in the file itself
 void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
                                  std::vector<WrittenFile>& files) const {
-    const bool is_here = path.parent_path() == std::filesystem::path(path_).parent_path();
+    const bool is_here = are_in_one_folder(path, path_);
     for (std::size_t i = first; i < buffers_.size(); ++i) {
         const Buffer& buffer = buffers_[i];
         GltfJson& own = whole_json["buffers"][i];
@@ -769,7 +790,13 @@ void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path&
         std::filesystem::path name = path.stem();
         name += (i == 0 ? std::string() : '_' + std::to_string(i)) + ".bin";
         if (!is_here && !buffer.is_changed && !buffer.uri.empty()) name = percent_decoded(buffer.uri);
-        if (name.has_parent_path()) name = name.filename();
+        name = free_name(name, [&](const std::filesystem::path& candidate) {
+            const auto has_it = [&](const Buffer& other) { // and keeps it
+                return is_here && !other.is_changed && percent_decoded(other.uri) == candidate;
+            };
+            return find_path(files, path.parent_path() / candidate) != files.end() ||
+                   std::any_of(buffers_.begin(), buffers_.end(), has_it);
+        });
         own["uri"] = percent_encoded(name.string());
         files.push_back({path.parent_path() / name, buffer.bytes});
     }

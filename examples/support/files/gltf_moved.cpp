@@ -175,13 +175,15 @@ private:
         for (const GltfJson& animation : document_.array("animations")) {
             for (const GltfJson& channel : animation.at("channels")) {
                 const auto& sampler = animation.at("samplers").at(channel.at("sampler").get<GltfIndex>());
-                if (step_of(channel) == nullptr) kept_accessors_.insert(sampler.at("output").get<GltfIndex>());
+                if (step_of(channel) == nullptr)
+                    kept_accessors_.insert(sampler.at("output").get<GltfIndex>());
             }
         }
         for (GltfIndex a = 0; a < document_.array("animations").size(); ++a) {
             GltfJson& animation = document_.json["animations"][a];
             std::map<GltfIndex, std::size_t> users; // of samplers
-            for (const GltfJson& channel : animation["channels"]) ++users[channel["sampler"].get<GltfIndex>()];
+            for (const GltfJson& channel : animation["channels"])
+                ++users[channel["sampler"].get<GltfIndex>()];
             for (GltfJson& channel : animation["channels"]) {
                 if (const Point3* const step = step_of(channel))
                     move_channel(animation, channel, users[channel["sampler"].get<GltfIndex>()] > 1, *step,

@@ -89,7 +89,6 @@ public:
         : document(std::move(read)) {}
     GltfScene(const GltfScene& other) = default;
 
-    std::string_view format() const override { return "glTF"; }
     std::vector<std::string> extensions() const override { return {".glb", ".gltf"}; }
     Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
                               const std::filesystem::path& path) const override;
