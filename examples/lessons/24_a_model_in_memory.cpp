@@ -33,12 +33,12 @@ void store(auto& out, const Vector& v) { // the first three numbers
 }
 
 int main() {
-    // A roof in centimetres, z up. Both slopes have a vertex at (0, 0, 80), with normals of their own.
+    // A roof in centimetres, z up. Each slope has its own vertex at (0, 0, 80), with its own normal.
     Primitive roof{{{0, -60, 0}, {0, 0, 80}, {0, 0, 80}, {0, 60, 0}},
                    {{0, -0.8f, 0.6f}, {0, -0.8f, 0.6f}, {0, 0.8f, 0.6f}, {0, 0.8f, 0.6f}},
                    {{0, 0.6f, 0.8f, 1}, {0, 0.6f, 0.8f, 1}, {0, -0.6f, 0.8f, -1}, {0, -0.6f, 0.8f, -1}},
                    {{0, 0, 0}, {0, 0, 20}, {0, 0, 20}, {0, 0, 0}}};
-    // The global transform of its node, to metres, y up. Normals need the inverse transpose.
+    // The global transform of the primitive's node: to metres, y up. Normals need the inverse transpose.
     const Map node{{{{0.01, 0, 0}, {0, 0, -0.01}, {0, 0.01, 0}}}, {5, 0, 0}}, back = inverse(node);
     const std::size_t count = roof.positions.size();
     std::vector<Vector> points(count), normals(count), steps(count);

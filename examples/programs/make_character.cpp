@@ -4,7 +4,7 @@
 //
 // writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a
 // periodic dance of the cage (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
-// bends an arm (skin_mesh). character.glb is the same puppet as a character of a game: glTF 2.0 with joints,
+// bends an arm (skin_mesh). character.glb is the same puppet as a game character: glTF 2.0 with joints,
 // materials, textures, morph targets and two animations (character/character_gltf.hpp). Either output is
 // optional. The puppet is a smooth union of rounded bodies, meshed by surface nets
 // (support/pictures/surface_nets.hpp). The ground is y = 0, y is up, and the puppet faces along z.

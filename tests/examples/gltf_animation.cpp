@@ -1,5 +1,5 @@
 // Animations of glTF documents: random keys are interpolated as the specification says (3.11 and appendix C);
-// broken ones are reported.
+// broken animations are reported.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -120,7 +120,8 @@ void check_near(const Value& is, Value wanted, bool is_turn) {
     for (std::size_t k = 0; k < is.size(); ++k) CHECK(is[k] == Approx(wanted[k]).margin(1e-9));
 }
 
-/// The value between two keys: by points of Bézier curves, which have thirds of the tangents.
+/// The value between two keys, by de Casteljau's algorithm. The inner control points are a third of a tangent away
+/// from the keys.
 Value cubic(const Keys& keys, std::size_t k, double t) {
     const double third = (keys.times[k + 1] - keys.times[k]) / 3;
     std::vector<Value> points{keys.key(k), keys.key(k), keys.key(k + 1), keys.key(k + 1)};

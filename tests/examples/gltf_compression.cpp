@@ -300,8 +300,8 @@ TEST_CASE("damaged meshopt streams are decoded or refused", "[examples][gltf]") 
 
 namespace {
 
-/// A random triangle mesh with attributes, and its stream. The encoder changes the order of vertices and triangles,
-/// and the last attribute is a vertex's number in the order here.
+/// A random triangle mesh with attributes, and its stream. The encoder changes the order of vertices and triangles.
+/// The last attribute is the number of each vertex before encoding.
 struct DracoMesh {
     Triangles triangles;
     std::vector<DracoAccessor> accessors;

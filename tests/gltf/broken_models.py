@@ -4,7 +4,7 @@
 
 Without COMMAND, the files are written. With it, COMMAND is run on each, with the file in place of {in} and a name in FOLDER/out
 in place of {out}. It has to exit with 1, to print one line with the name of the file and the element at fault, and to leave no file
-behind. Of each kind of document, a sound one has to be taken. Prints each failure; exits with 1 if there is one.
+behind. COMMAND must accept the documents without a fault. Prints each failure; exits with 1 if there is one.
 """
 import base64
 import json
@@ -75,7 +75,7 @@ def draco(b):
 
 
 # ---- one value of the JSON is another: (name, document, path, value, words of the message) ----
-P, A = "meshes/0/primitives/0", "accessor 0"
+P, A = "meshes/0/primitives/0", "accessor 0"  # a path; words of a message
 OF_JSON = [
     # accessors and views
     ("count_large", figure, "accessors/0/count", 1000, A),
@@ -315,7 +315,7 @@ def all_files():
 
 
 def sound():
-    """Yields the documents that are broken above, which a program has to take."""
+    """Yields the documents without a fault, which a program must accept."""
     for make in (figure, plain_u8, skin, targets, sparse):
         yield f"sound_{make.__name__}.glb", packed(*document(make))
 

@@ -14,7 +14,7 @@ PNG = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4
 
 
 class Builder:
-    """A document in work: its JSON, the bytes of its buffers, and random numbers."""
+    """A document under construction: its JSON, the bytes of its buffers, and random numbers."""
 
     def __init__(self, rng):
         self.rng, self.data, self.suffix, self.uris, self.files = rng, [bytearray()], ".glb", [None], {}

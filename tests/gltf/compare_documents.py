@@ -207,7 +207,7 @@ def compare_lists(one, two, changes):
 
 
 def compare_views(one, two, changes):
-    """Demands that the bytes of views are the same, but for those of values that move."""
+    """Demands that the bytes of views are the same, except those of values that move."""
     free = [np.zeros(view["byteLength"], bool) for view in one.list("bufferViews")]
     for k in changes.accessors:
         item, width = one.json["accessors"][k], one.stored(k).itemsize * one.stored(k).shape[1]

@@ -1,6 +1,6 @@
 // Usage: node compress.mjs MODULES FOLDER   with draco3dgltf and meshoptimizer in MODULES/node_modules
-// Compresses files of make_models.py in FOLDER, by Google's and by Kapoulkine's encoders, to draco_*.glb and meshopt_*.glb. Their
-// decoders' results are written to FOLDER/decoded, under the same names: the same documents without compression.
+// Compresses files of make_models.py in FOLDER, with the encoders of Draco and meshoptimizer, to draco_*.glb and meshopt_*.glb. The
+// decoders of both write the same documents without compression to FOLDER/decoded, under the same names.
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
@@ -23,7 +23,7 @@ function read(name) {
   return { json: JSON.parse(data.toString("utf8", 20, 20 + size)), bytes: new Uint8Array(data.subarray(28 + size)) };
 }
 
-/** Bytes that grow, each piece from a multiple of 4 on. */
+/** A growing array of bytes. Each piece begins at a multiple of 4. */
 class Bytes {
   data = new Uint8Array(0);
   add(piece) {
@@ -49,7 +49,7 @@ function write(path, json, bytes) {
   writeFileSync(join(folder, path), file);
 }
 
-function require_(json, extension) {
+function requireExtension(json, extension) {
   for (const name of ["extensionsUsed", "extensionsRequired"]) json[name] = [...(json[name] ?? []), extension];
 }
 
@@ -106,7 +106,7 @@ function usesOf(json) {
 }
 
 /** fallback: whether the buffer of the decoded views is in the file too, so that the extension is not required. */
-function meshopt(from, name, { filters = false, fallback = false, extension = "EXT_meshopt_compression", version = 0 } = {}) {
+function compressWithMeshopt(from, name, { filters = false, fallback = false, extension = "EXT_meshopt_compression", version = 0 } = {}) {
   const { json, bytes } = read(from), decoded = structuredClone(json), packed = new Bytes(), plain = new Bytes(), uses = usesOf(json);
   json.bufferViews.forEach((view, k) => {
     const accessors = json.accessors.filter(accessor => accessor.bufferView === k);
@@ -130,7 +130,7 @@ function meshopt(from, name, { filters = false, fallback = false, extension = "E
     json.extensionsUsed = [...(json.extensionsUsed ?? []), extension];
     json.buffers[1].uri = "data:application/octet-stream;base64," + Buffer.from(plain.data).toString("base64");
   } else {
-    require_(json, extension);
+    requireExtension(json, extension);
     json.buffers[1].extensions = { [extension]: { fallback: true } };
   }
   decoded.buffers = [{ byteLength: plain.data.length }];
@@ -161,7 +161,7 @@ function encodedByDraco(json, bytes, primitive, method) {
   return { data: Uint8Array.from({ length: size }, (_, i) => into.GetValue(i)), ids };
 }
 
-function draco_(from, name, method) {
+function compressWithDraco(from, name, method) {
   const { json, bytes } = read(from), decoded = structuredClone(json), packed = new Bytes(), plain = new Bytes();
   packed.add(bytes);
   plain.add(bytes);
@@ -195,22 +195,22 @@ function draco_(from, name, method) {
   }));
   json.buffers = [{ byteLength: packed.data.length }];
   decoded.buffers = [{ byteLength: plain.data.length }];
-  require_(json, "KHR_draco_mesh_compression");
+  requireExtension(json, "KHR_draco_mesh_compression");
   write(name + ".glb", json, packed.data);
   write(join("decoded", name + ".glb"), decoded, plain.data);
 }
 
-meshopt("attributes", "meshopt");
-meshopt("attributes", "meshopt_exponential", { filters: true });
-meshopt("everything", "meshopt_everything");
-meshopt("skin_played", "meshopt_skin");
-meshopt("skin_i16_turns", "meshopt_quaternions", { filters: true });
-meshopt("quantized_targets", "meshopt_octahedral", { filters: true });
-meshopt("quantized_i8_normalized", "meshopt_octahedral_i16", { filters: true });
-meshopt("indices_u32", "meshopt_fallback", { fallback: true });
-meshopt("attributes", "refused_khr_meshopt", { extension: "KHR_meshopt_compression", version: 1 });
-draco_("attributes", "draco_edgebreaker", "MESH_EDGEBREAKER_ENCODING");
-draco_("attributes", "draco_sequential", "MESH_SEQUENTIAL_ENCODING");
-draco_("skin_u8_weights", "draco_skin", "MESH_EDGEBREAKER_ENCODING");
-draco_("points_and_lines", "draco_and_lines", "MESH_SEQUENTIAL_ENCODING");
-draco_("hierarchy", "draco_hierarchy", "MESH_EDGEBREAKER_ENCODING");
+compressWithMeshopt("attributes", "meshopt");
+compressWithMeshopt("attributes", "meshopt_exponential", { filters: true });
+compressWithMeshopt("everything", "meshopt_everything");
+compressWithMeshopt("skin_played", "meshopt_skin");
+compressWithMeshopt("skin_i16_turns", "meshopt_quaternions", { filters: true });
+compressWithMeshopt("quantized_targets", "meshopt_octahedral", { filters: true });
+compressWithMeshopt("quantized_i8_normalized", "meshopt_octahedral_i16", { filters: true });
+compressWithMeshopt("indices_u32", "meshopt_fallback", { fallback: true });
+compressWithMeshopt("attributes", "refused_khr_meshopt", { extension: "KHR_meshopt_compression", version: 1 });
+compressWithDraco("attributes", "draco_edgebreaker", "MESH_EDGEBREAKER_ENCODING");
+compressWithDraco("attributes", "draco_sequential", "MESH_SEQUENTIAL_ENCODING");
+compressWithDraco("skin_u8_weights", "draco_skin", "MESH_EDGEBREAKER_ENCODING");
+compressWithDraco("points_and_lines", "draco_and_lines", "MESH_SEQUENTIAL_ENCODING");
+compressWithDraco("hierarchy", "draco_hierarchy", "MESH_EDGEBREAKER_ENCODING");

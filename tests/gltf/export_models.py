@@ -1,4 +1,4 @@
-"""Adds skins, morph targets and skeletons to the files of make_models.py, and plays the results by glb.py.
+"""Adds skins, morph targets and skeletons to the files of make_models.py, and plays the results with glb.py.
 
     /usr/bin/python3 tests/gltf/export_models.py PROGRAMS FOLDER [SEED]
 

@@ -1,6 +1,6 @@
-"""A reader of glTF 2.0, apart from the library's: documents, the values of accessors, and where a scene's vertices are.
+"""An independent reader of glTF 2.0: documents, the values of accessors, and the positions of a scene's vertices.
 
-Numbers in comments are sections of the specification of glTF 2.0. Meshes may be of any kind but compressed ones.
+Numbers in comments are sections of the specification of glTF 2.0. Compressed meshes are not read.
 """
 import base64
 import json
@@ -42,8 +42,8 @@ def cofactors(m):
 class Document:
     """A file .glb or .gltf with its buffers.
 
-    Between straight keys, turns go at one speed along the shortest arc, as glTF says (appendix C). With `by_components`
-    the numbers of the quaternion go straight, as Blender has them.
+    Between keys with LINEAR interpolation, rotations have a constant speed along the shortest arc (appendix C). With
+    `by_components` each component of the quaternion is interpolated linearly, as in Blender.
     """
 
     def __init__(self, path, by_components=False):

@@ -564,6 +564,16 @@ def skin_with_one_sampler(b):
 
 
 @model
+def skin_with_one_accessor(b):
+    """A joint and a node that is no joint play the same keys in two animations."""
+    nodes = skinned(b)
+    first = b.animate((nodes[1], "translation", b.points(3), "LINEAR"))
+    second = b.animate((b.node(**b.placed()), "translation", b.points(3), "LINEAR"))
+    output = b.json["animations"][first]["samplers"][0]["output"]
+    b.json["animations"][second]["samplers"][0]["output"] = output
+
+
+@model
 def skin_i16_turns(b):
     nodes = skinned(b)
     b.animate((nodes[1], "rotation", whole(np.array([b.rotation(0.7) for _ in range(3)]), np.int16), "LINEAR"))

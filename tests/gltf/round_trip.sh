@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: round_trip.sh PROGRAMS MODULES FOLDER [SEED]
-# deform_mesh moves each file of make_models.py and compress.mjs by affine poses of a box. compare_documents.py finds nothing but
-# the points moved, and Khronos' validator no new error or warning. At rest, files of floats stay as they are, byte for byte.
+# deform_mesh moves each file of make_models.py and compress.mjs by affine poses of a box. compare_documents.py checks that
+# only points have moved. Khronos' validator must find no new error or warning. At rest, files of floats keep all their bytes.
 # Broken files are refused. MODULES/node_modules has the packages of package.json; without them, compressed files and the
 # validator are left out.
 set -u
@@ -12,7 +12,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 python=/usr/bin/python3
 failed=0
 
-fails() { # WHAT   and the log
+fails() { # WHAT   prints WHAT and the log
   failed=$((failed + 1))
   echo "FAILED: $1"
   sed 's/^/    /' "$folder/log"
@@ -26,7 +26,6 @@ poses() { # KIND OPERATION…
   shift
   rm -rf "${folder:?}/$kind"
   mkdir "$folder/$kind"
-  cp "$folder"/models/*.png "$folder/$kind"
   for model in "$folder"/models/*.gl*; do
     name=$(basename "$model")
     if "$deform" "$model" --cage box "$@" -o "$folder/$kind/$name" >"$folder/log" 2>&1; then

@@ -4,8 +4,8 @@
 
 For each pair, prints how many pixels differ at rest, and for the input the largest distance between places in three.js and in
 glb.py, at rest and at a time of each animation, as a share of the size. Exits with 1 if a pixel differs or a distance is above 1e-5.
-Takes three.js from npm's registry as in_three.py does. three.js plays four weights a
-vertex, so places of files with more are not compared.
+Takes three.js from npm's registry as in_three.py does. three.js plays four weights a vertex, so places of files with more are not
+compared.
 """
 import os
 import shutil

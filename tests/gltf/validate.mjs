@@ -1,5 +1,5 @@
 // Usage: node validate.mjs FOLDER FILE…   with gltf-validator in FOLDER/node_modules
-// Fails where Khronos' validator has an error or a warning; what it only remarks is printed.
+// Fails where Khronos' validator has an error or a warning; infos and hints are only printed.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { dirname, resolve } from "node:path";

@@ -189,7 +189,9 @@ std::size_t add_skinned(GltfDocument& document, const char* name,
     return document.append("nodes", {{"name", name}, {"mesh", index}, {"skin", 0}});
 }
 
-/// Appends a mesh without bones, in centimetres.
+/// Appends a mesh without bones, in centimetres; returns the mesh.
+///
+///   unit   of the part, in metres
 std::size_t add_rigid(GltfDocument& document, const char* name, const PuppetPart& part, Material material,
                       double unit) {
     std::vector<Point3> places;
@@ -385,7 +387,7 @@ private:
 std::vector<double> weights_of(const ImplicitMesh& mesh, const Rig& rig) {
     std::vector<cageform::BoneSegment> segments;
     for (const PuppetBone& bone : rig.bones) segments.push_back({bone.head, bone.tail});
-    // Much heat, so that few bones move each vertex: four are kept.
+    // With more heat, fewer bones move each vertex. The skin keeps four of them.
     auto made = cageform::bone_heat(mesh.vertices, mesh.faces, segments, {.heat = 10});
     if (made.report.status != cageform::Status::ok) throw Failure(cageform::to_string(made.report.status));
     return std::move(made.value);

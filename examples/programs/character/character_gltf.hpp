@@ -3,7 +3,7 @@
 // The puppet as a character of a game, in glTF 2.0.
 //
 // In world space the puppet is that of character.obj. The vertices and the joints are in centimetres with z
-// up, as in many modelling programs, below a node "character" that turns and scales them.
+// up, as in many modelling programs. A node "character" above them rotates and scales them.
 
 #include "character/parts.hpp"
 #include "files/gltf_document.hpp"

@@ -143,7 +143,7 @@ PuppetPart cut(PuppetPart part, const std::vector<Level>& levels) {
     return part;
 }
 
-/// Appends a part with the same lists.
+/// Appends the vertices and faces of another part.
 void append(PuppetPart& part, const PuppetPart& other) {
     const auto first = std::uint32_t(part.places.size());
     const auto add = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
@@ -159,7 +159,8 @@ void append(PuppetPart& part, const PuppetPart& other) {
 PuppetPart finished(const PuppetPart& cut_part, double thickness, const Cylinder& chart) {
     const std::size_t right = (chart.axis + 2) % 3, up = (chart.axis + 1) % 3;
     PuppetPart part;
-    std::map<std::pair<std::uint32_t, bool>, std::uint32_t> index; // by vertex and turn
+    std::map<std::pair<std::uint32_t, bool>, std::uint32_t>
+        index; // by vertex, and whether its angle is one turn later
     for (const Face& face : cut_part.faces) {
         std::array<double, 3> turns; // of the corners, about the axis
         for (std::size_t k = 0; k < 3; ++k) {

@@ -6,18 +6,18 @@
 
 namespace cageform_support {
 
-/// An animation of a scene.
+/// An animation of a scene, which must outlive this object.
 class GltfAnimation {
 public:
-    /// Channels of extensions, such as KHR_animation_pointer, are skipped.
+    /// Reads an animation. Channels of extensions, such as KHR_animation_pointer, are skipped.
     ///
     ///   name    of the file, prefix of messages
     ///   fails   if the document has no such animation, or if it is invalid
     static Expected<GltfAnimation> read(const GltfScene& scene, GltfIndex animation, const std::string& name);
 
-    /// Whether it moves a node or morph target of the scene.
+    /// Whether the animation moves a node or morph target of the scene.
     bool moves() const { return !channels_.empty(); }
-    /// The last key, in seconds.
+    /// The time of the last key, in seconds.
     double length() const { return length_; }
 
     /// The pose of the scene at a time in seconds (3.11). Before the first key and after the last, a property

@@ -69,7 +69,7 @@ std::string text_of(const GltfJson& object, const char* key, const std::string& 
     return found->get<std::string>();
 }
 
-/// Decodes %41 and so on (RFC 3986, section 2.1).
+/// Decodes percent-encoded bytes, such as %41 (RFC 3986, section 2.1).
 std::string percent_decoded(std::string_view uri) {
     std::string text;
     for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -557,7 +557,7 @@ bool GltfDocument::Elements::alternate_with(const Elements& other) const {
 }
 
 void GltfDocument::find_shared() {
-    constexpr std::size_t most_open = 64; // accessors that overlap in a document that is not hostile
+    constexpr std::size_t most_open = 64; // if more accessors overlap, all of them count as shared
     const GltfJson& all = array("accessors");
     std::vector<std::pair<Elements, std::size_t>> sorted;
     is_shared_.assign(all.size(), false);
@@ -571,7 +571,8 @@ void GltfDocument::find_shared() {
     std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first.buffer, a.first.begin) < std::pair(b.first.buffer, b.first.begin);
     });
-    std::vector<std::size_t> open; // of `sorted`: elements that end after the current begin
+    std::vector<std::size_t> open;               // of `sorted`: elements that end after the current begin
+    std::pair<std::size_t, std::size_t> crowded; // buffer and end of accessors left out of `open`
     for (std::size_t n = 0; n < sorted.size(); ++n) {
         const auto& [own, accessor] = sorted[n];
         const std::size_t begin = own.begin, buffer = own.buffer;
@@ -581,11 +582,18 @@ void GltfDocument::find_shared() {
                                              sorted[o].first.end() <= begin;
                                   }),
                    open.end());
+        const bool is_crowded = crowded.first == buffer && begin < crowded.second;
+        if (is_crowded) is_shared_[accessor] = true;
         for (const std::size_t o : open) {
-            if (open.size() <= most_open && own.alternate_with(sorted[o].first)) continue;
+            if (open.size() < most_open && own.alternate_with(sorted[o].first)) continue;
             is_shared_[accessor] = is_shared_[sorted[o].second] = true;
         }
         open.push_back(n);
+        if (open.size() <= most_open) continue;
+        std::size_t end = is_crowded ? crowded.second : 0;
+        for (const std::size_t o : open) end = std::max(end, sorted[o].first.end());
+        crowded = {buffer, end};
+        open.clear();
     }
 }
 
@@ -607,17 +615,6 @@ bool GltfDocument::overwrite(GltfIndex index, std::string_view values, std::size
         buffer.is_changed = true;
     }
     return true;
-}
-
-std::vector<std::string> GltfDocument::outside_files() const {
-    std::vector<std::string> names;
-    for (const char* list : {"images", "buffers"}) {
-        for (const GltfJson& object : array(list)) {
-            const std::string uri = object.is_object() ? object.value("uri", "") : "";
-            if (!uri.empty() && !uri.starts_with("data:")) names.push_back(percent_decoded(uri));
-        }
-    }
-    return names;
 }
 
 /// The JSON, with the indentation of the file; the text of the file if nothing has changed.
@@ -651,29 +648,50 @@ Expected<std::vector<WrittenFile>> GltfDocument::files(const std::filesystem::pa
     return files;
 }
 
+/// Whether two files are in the same folder.
+static bool are_in_one_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+    const auto folder = [](const std::filesystem::path& path) {
+        return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    };
+    std::error_code error;
+    return folder(a) == folder(b) || std::filesystem::equivalent(folder(a), folder(b), error);
+}
+
+static auto find_path(const std::vector<WrittenFile>& files, const std::filesystem::path& path) {
+    return std::find_if(files.begin(), files.end(),
+                        [&](const WrittenFile& file) { return file.path == path; });
+}
+
+/// The file name of a path, with a number appended where it is taken.
+template <class Taken>
+static std::filesystem::path free_name(const std::filesystem::path& path, const Taken& is_taken) {
+    std::filesystem::path name = path.filename();
+    for (std::size_t n = 1; is_taken(name); ++n)
+        name = path.stem().string() + '_' + std::to_string(n) + path.extension().string();
+    return name;
+}
+
 /// For an output in another folder: sets the URIs of images, and returns their files.
 std::vector<WrittenFile> GltfDocument::copied_images(const std::filesystem::path& path,
                                                      GltfJson& whole_json) const {
     std::vector<WrittenFile> files;
-    if (path_.empty() || path.parent_path() == std::filesystem::path(path_).parent_path()) return files;
+    if (path_.empty() || are_in_one_folder(path, path_)) return files;
     for (GltfIndex i = 0; i < array("images").size(); ++i) {
         const std::string user = "image " + std::to_string(i);
         const std::string uri = object("images", i, user).value("uri", std::string());
         if (uri.empty() || has_scheme(uri)) continue;
         std::string bytes = read_beside(uri, user);
-        const std::filesystem::path own = percent_decoded(uri);
-        std::filesystem::path name = own.filename();
-        const auto is_taken = [&] { // by a file with other contents
-            const auto found = path.parent_path() / name;
-            const auto same = std::find_if(files.begin(), files.end(),
-                                           [&](const WrittenFile& file) { return file.path == found; });
-            if (same != files.end()) return same->bytes != bytes;
-            return std::filesystem::exists(found) && read_file(found.string()).value_or({}) != bytes;
-        };
-        for (std::size_t n = 1; is_taken(); ++n)
-            name = own.stem().string() + '_' + std::to_string(n) + own.extension().string();
+        bool is_there = false; // whether a file has the same bytes
+        const std::filesystem::path name =
+            free_name(percent_decoded(uri), [&](const std::filesystem::path& candidate) {
+                const auto place = path.parent_path() / candidate;
+                const auto same = find_path(files, place);
+                is_there = same != files.end() || std::filesystem::exists(place);
+                if (!is_there) return false;
+                return (same != files.end() ? same->bytes : read_file(place.string()).value_or({})) != bytes;
+            });
         whole_json["images"][i]["uri"] = percent_encoded(name.string());
-        files.push_back({path.parent_path() / name, std::move(bytes)});
+        if (!is_there) files.push_back({path.parent_path() / name, std::move(bytes)});
     }
     return files;
 }
@@ -758,7 +776,7 @@ std::vector<WrittenFile> GltfDocument::gltf_files(const std::filesystem::path& p
 ///   first   index of the first buffer that is not in the file itself
 void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path& path, GltfJson& whole_json,
                                  std::vector<WrittenFile>& files) const {
-    const bool is_here = path.parent_path() == std::filesystem::path(path_).parent_path();
+    const bool is_here = are_in_one_folder(path, path_);
     for (std::size_t i = first; i < buffers_.size(); ++i) {
         const Buffer& buffer = buffers_[i];
         GltfJson& own = whole_json["buffers"][i];
@@ -772,7 +790,13 @@ void GltfDocument::write_buffers(std::size_t first, const std::filesystem::path&
         std::filesystem::path name = path.stem();
         name += (i == 0 ? std::string() : '_' + std::to_string(i)) + ".bin";
         if (!is_here && !buffer.is_changed && !buffer.uri.empty()) name = percent_decoded(buffer.uri);
-        if (name.has_parent_path()) name = name.filename();
+        name = free_name(name, [&](const std::filesystem::path& candidate) {
+            const auto has_it = [&](const Buffer& other) { // and keeps it
+                return is_here && !other.is_changed && percent_decoded(other.uri) == candidate;
+            };
+            return find_path(files, path.parent_path() / candidate) != files.end() ||
+                   std::any_of(buffers_.begin(), buffers_.end(), has_it);
+        });
         own["uri"] = percent_encoded(name.string());
         files.push_back({path.parent_path() / name, buffer.bytes});
     }

@@ -35,7 +35,7 @@ struct GltfFault : std::runtime_error {
 /// Index of an object in an array of the document.
 using GltfIndex = std::size_t;
 inline constexpr GltfIndex gltf_none = ~std::size_t{0};
-/// The value of a number that is whole and at least 0; nothing for other values.
+/// The value of a JSON number that is an integer and at least 0; nothing for other values.
 inline std::optional<GltfIndex> gltf_index(const GltfJson& value) {
     const bool is_index =
         value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
@@ -119,8 +119,8 @@ public:
         return json[array_name].size() - 1;
     }
 
-    /// Replaces the elements of an accessor by floats: in place if its elements are floats and no other
-    /// accessor shares their bytes, else in a new buffer view. min and max follow if the accessor has them.
+    /// Replaces the elements of an accessor by floats. Floats whose bytes no other accessor uses are replaced
+    /// in place; other elements get a new buffer view. Sets min and max if the accessor has them.
     template <std::size_t N>
     void replace(GltfIndex accessor, std::span<const std::array<float, N>> values, Use use) {
         GltfJson& own = json["accessors"][accessor];
@@ -138,9 +138,6 @@ public:
     ///   path    of the output, .gltf or .glb
     ///   fails   if the document is larger than the format allows
     Expected<std::vector<WrittenFile>> files(const std::filesystem::path& path) const;
-
-    /// Names of files of images and of buffers that are not embedded.
-    std::vector<std::string> outside_files() const;
 
 private:
     struct Buffer {
@@ -224,9 +221,9 @@ private:
     bool is_binary_ = false;
     std::size_t file_size_ = 0;
     std::vector<Buffer> buffers_;
-    std::size_t added_ = gltf_none; // index of the buffer for new data; none before the first
-    bool repacks_ = false;          // whether buffers have data of decoded extensions, which are not written
-    std::vector<bool> is_shared_;   // #accessors of the file; empty before the first replace()
+    std::size_t added_ = gltf_none; // index of the buffer for new data; gltf_none if there is none yet
+    bool repacks_ = false;          // whether buffers hold compressed data, which are not written
+    std::vector<bool> is_shared_;   // #accessors: whether others use the same bytes; empty before replace()
 };
 
 /// The error of nlohmann-json in a document, without its codes.

@@ -206,8 +206,9 @@ struct TextureWriter {
     }
 };
 
-/// Appends the materials and embeds their images. alphaMode is BLEND if the opacity is below 1, or `map_d`
-/// names the colour image and that image has alpha. Returns warnings on images that are not written.
+/// Appends the materials and embeds their images. alphaMode is BLEND if the opacity is below 1. It is also
+/// BLEND if `map_d` names the colour image and this image has alpha. Returns warnings on images that are not
+/// written.
 ///
 ///   textured   whether the meshes have texture coordinates
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {

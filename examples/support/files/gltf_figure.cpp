@@ -268,7 +268,7 @@ GltfJson add_differences(GltfDocument& document, const GltfSurface& surface, con
     return targets;
 }
 
-/// Appends `added` zeros to each key of the weights of a node's `targets` targets.
+/// Extends the animations of a node's weights: each key of `targets` weights gets `added` zeros at its end.
 void pad_keys(GltfDocument& document, GltfIndex node, std::size_t targets, std::size_t added) {
     for (GltfIndex a = 0; a < document.array("animations").size(); ++a) {
         GltfJson animation = document.json["animations"][a];

@@ -9,8 +9,8 @@
 
 namespace cageform_support {
 
-/// Primitives of a node's mesh that share their vertices, and the figure's vertices there. No other node uses
-/// the mesh.
+/// Primitives of a node's mesh that share their vertices. No other node uses the mesh. An element is a vertex
+/// of these primitives; several elements can belong to one vertex of the figure.
 struct GltfSurface {
     GltfIndex node = 0, mesh = 0;
     std::vector<std::size_t> primitives; // of the mesh
@@ -46,14 +46,14 @@ enum class GltfMotion : std::uint8_t {
 ///   fails       if the figure has no faces, or its texture coordinates or document are invalid
 Expected<GltfFigure> gltf_figure(const MeshFile& figure, const std::string& generator, GltfMotion motion);
 
-/// gltf_figure() of a figure without a glTF document: one mesh per object, with one vertex per distinct
-/// combination of position, normal and texture coordinate at a corner, and one primitive per material.
+/// gltf_figure() of a figure without a glTF document. Each object is a mesh, and each of its materials a
+/// primitive. A vertex is a distinct combination of position, normal and texture coordinate at a corner.
 /// Vertices are in the order of the file, followed by duplicates. The only mesh of a file has all vertices of
 /// the file; one of several meshes has only those of its faces.
 Expected<GltfFigure> figure_of_faces(const MeshFile& figure, const std::string& generator);
 
-/// Unit normals of a surface after a deformation, in the space of POSITION: those of the figure; without
-/// them, area-weighted means of adjacent faces.
+/// Unit normals of a surface after a deformation, in the space of POSITION. Without normals of the figure,
+/// they are area-weighted means of the normals of adjacent faces.
 std::vector<std::array<float, 3>> gltf_normals(const GltfSurface& surface, const MeshFile& figure,
                                                const MovedVertices& moved);
 
@@ -93,8 +93,8 @@ struct GltfMorphs {
 };
 
 /// Appends a morph target for each pose, with normals and tangents if the surfaces have them. Returns the
-/// nodes; their previous targets keep their weights at rest and in animations. Fails if a surface is flat in
-/// world space.
+/// nodes; their previous targets keep their weights at rest and in animations. Fails if the transform of
+/// a surface to world space is singular.
 Expected<std::vector<GltfMorphs>> add_targets(GltfFigure& gltf, const MeshFile& figure,
                                               std::span<const GltfPoseTarget> poses);
 

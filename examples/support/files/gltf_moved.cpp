@@ -13,9 +13,10 @@ namespace {
 
 /// The moved attributes of the vertices of a run, in the space of its node or skin.
 struct MovedRun {
-    std::vector<std::array<float, 3>> places, normals; // empty: unchanged
+    std::vector<std::array<float, 3>> places, normals; // attributes without an accessor are empty
     std::vector<std::array<float, 4>> tangents;
-    std::vector<std::array<std::vector<std::array<float, 3>>, 3>> targets; // #targets
+    // #targets: displacements of POSITION, NORMAL and TANGENT
+    std::vector<std::array<std::vector<std::array<float, 3>>, 3>> targets;
     bool operator==(const MovedRun&) const = default;
 };
 
@@ -58,13 +59,13 @@ public:
                     cageform::bounds_of(std::span<const Point3>(mesh.vertices)).magnitude()) {}
 
     Expected<MovedFile> write(const std::filesystem::path& path) {
-        auto files = document().files(path);
+        auto files = moved_document().files(path);
         if (!files) return files.error();
         return MovedFile{std::move(*files), notes()};
     }
 
-    /// Moves the vertices; returns the document.
-    const GltfDocument& document() {
+    /// Moves the vertices; returns the output.
+    const GltfDocument& moved_document() {
         count_uses();
         if (moved_.drops_skins) drop_skins();
         if (!moved_.drops_skins && !moved_.guides.empty()) move_joints();
@@ -121,14 +122,14 @@ private:
             if (to_parent)
                 move_node(n, to_parent->map_vector(shifts_[n] - of_parent));
             else
-                shifts_[n] = of_parent; // a flat parent
+                shifts_[n] = of_parent; // the parent's transform is singular
         }
         for (GltfIndex s = 0; s < scene_.skins.size(); ++s) move_binds(s);
-        for (GltfIndex a = 0; a < document_.array("animations").size(); ++a) move_keys(a);
+        move_keys();
     }
 
-    /// Sets the translation that all joints have in common, if it is their only motion, and the ratio of the
-    /// skeleton's sizes.
+    /// Sets common_shift_ if all joints move by one translation. Else sets skeleton_scale_, the ratio of the
+    /// root mean square distances of joints from their centroid.
     void compare_shifts() {
         Point3 middle{}, moved_middle{};
         const double share = 1 / double(scene_.joints.size());
@@ -162,23 +163,31 @@ private:
         steps_[n] = step;
     }
 
-    /// Adds the steps of nodes to the keys of their translations.
-    void move_keys(GltfIndex a) {
-        GltfJson& animation = document_.json["animations"][a];
-        std::map<GltfIndex, std::size_t> users; // of samplers
-        for (const bool counts : {true, false}) {
-            for (GltfJson& channel : animation.at("channels")) {
-                const GltfIndex sampler = channel.at("sampler").get<GltfIndex>();
-                const GltfJson target = channel.value("target", GltfJson::object());
-                const auto step = steps_.find(target.value("node", gltf_none));
-                const bool is_moved = step != steps_.end() && target.value("path", "") == "translation";
-                if (!counts && is_moved)
-                    move_channel(animation, channel, users[sampler] > 1, step->second,
+    /// The step of the node whose translation a channel animates; null if the node does not move.
+    const Point3* step_of(const GltfJson& channel) const {
+        const GltfJson target = channel.value("target", GltfJson::object());
+        const auto step = steps_.find(target.value("node", gltf_none));
+        return step != steps_.end() && target.value("path", "") == "translation" ? &step->second : nullptr;
+    }
+
+    /// Moves the keys of translations of moved nodes. Channels of all animations may share accessors.
+    void move_keys() {
+        for (const GltfJson& animation : document_.array("animations")) {
+            for (const GltfJson& channel : animation.at("channels")) {
+                const auto& sampler = animation.at("samplers").at(channel.at("sampler").get<GltfIndex>());
+                if (step_of(channel) == nullptr)
+                    kept_accessors_.insert(sampler.at("output").get<GltfIndex>());
+            }
+        }
+        for (GltfIndex a = 0; a < document_.array("animations").size(); ++a) {
+            GltfJson& animation = document_.json["animations"][a];
+            std::map<GltfIndex, std::size_t> users; // of samplers
+            for (const GltfJson& channel : animation["channels"])
+                ++users[channel["sampler"].get<GltfIndex>()];
+            for (GltfJson& channel : animation["channels"]) {
+                if (const Point3* const step = step_of(channel))
+                    move_channel(animation, channel, users[channel["sampler"].get<GltfIndex>()] > 1, *step,
                                  "animation " + std::to_string(a));
-                if (!counts) continue;
-                ++users[sampler];
-                if (!is_moved)
-                    keeps_.insert(animation.at("samplers").at(sampler).at("output").get<GltfIndex>());
             }
         }
     }
@@ -323,7 +332,8 @@ private:
         return dot(change, change) <= 1e-24 * dot(before, before) ? before : after;
     }
 
-    /// The step of a morph target in the pose: by the Jacobian, or to the end in the pose if there is none.
+    /// The displacement of a morph target in the pose, in world space: the Jacobian times the displacement.
+    /// Without a Jacobian, the difference between the moved guide of the target and the moved vertex.
     Point3 moved_step(const Point3& step, const Jacobian3* jacobian, const Point3& now) {
         const std::size_t end = next_end_++;
         const bool has_end = end < moved_.guides.size();
@@ -378,8 +388,8 @@ private:
         move_steps(2, i, own, tangent, carried, result);
     }
 
-    /// The steps of a normal (kind 1) or tangent (kind 2) by morph targets. Steps map as the vector does, so
-    /// that all weights give the moved vector.
+    /// Moves the displacements of a normal (kind 1) or tangent (kind 2) by morph targets. The displacements
+    /// and the vector get the same linear map, so that all weights give the moved vector.
     template <class Carried>
     void move_steps(std::size_t kind, std::size_t i, const Point3& own, const Point3& now,
                     const Carried& carried, MovedRun& result) {
@@ -423,7 +433,7 @@ private:
             return;
         }
         GltfIndex mesh = run.mesh;
-        const bool is_kept = is_outside_.contains(mesh); // for nodes outside the scene
+        const bool is_kept = outside_meshes_.contains(mesh); // for nodes outside the scene
         if (is_kept && std::all_of(runs.begin() + std::ptrdiff_t(first), runs.begin() + std::ptrdiff_t(end),
                                    [&](const MovedRun& moved) {
                                        return is_at_rest(scene_.runs[std::size_t(&moved - runs.data())],
@@ -500,7 +510,7 @@ private:
     void count_uses() {
         std::set<std::pair<GltfIndex, std::size_t>> moving;
         for (const GltfNode& node : scene_.nodes) {
-            if (!node.is_in_scene && node.mesh != gltf_none) is_outside_.insert(node.mesh);
+            if (!node.is_in_scene && node.mesh != gltf_none) outside_meshes_.insert(node.mesh);
         }
         for (const GltfVertices& run : scene_.runs) {
             for (const std::size_t p : run.primitives) moving.insert({run.mesh, p});
@@ -508,13 +518,13 @@ private:
         const GltfJson& meshes = scene_.document.array("meshes");
         const auto keep = [&](const GltfJson& attributes) {
             for (const auto& [name, index] : attributes.items()) {
-                if (const auto accessor = gltf_index(index)) keeps_.insert(*accessor);
+                if (const auto accessor = gltf_index(index)) kept_accessors_.insert(*accessor);
             }
         };
         for (std::size_t m = 0; m < meshes.size(); ++m) {
             const GltfJson primitives = meshes[m].value("primitives", GltfJson::array());
             for (std::size_t p = 0; p < primitives.size(); ++p) {
-                const bool is_moved = moving.contains({m, p}) && !is_outside_.contains(m);
+                const bool is_moved = moving.contains({m, p}) && !outside_meshes_.contains(m);
                 if (is_moved || !primitives[p].is_object()) continue;
                 keep(primitives[p].value("attributes", GltfJson::object()));
                 for (const GltfJson& target : primitives[p].value("targets", GltfJson::array())) keep(target);
@@ -532,7 +542,7 @@ private:
             if (contents == bytes) return index;
         }
         GltfIndex index = accessor;
-        if (known.empty() && !keeps_.contains(accessor)) {
+        if (known.empty() && !kept_accessors_.contains(accessor)) {
             if (!is_unchanged<N>(accessor, values)) document_.replace<N>(accessor, values, use);
         } else {
             GltfJson copy = document_.json["accessors"][accessor];
@@ -591,8 +601,9 @@ private:
     GltfDocument document_; // the output
     std::vector<Affine3> worlds_;
     MovedNormals normals_;
-    std::vector<Point3> shifts_;              // #nodes: translation in world space
-    std::map<GltfIndex, Point3> flat_shifts_; // of joints without an inverse, whose bind matrices stay
+    std::vector<Point3> shifts_; // #nodes: translation in world space
+    std::map<GltfIndex, Point3>
+        flat_shifts_;           // of joints with singular transforms; their inverse bind matrices stay
     Point3 common_shift_{};     // translation of all joints in world space, if they move in no other way
     double skeleton_scale_ = 1; // of distances between joints
     double rounding_;           // of positions in world space
@@ -602,10 +613,10 @@ private:
     double target_error_ = 0;
     std::map<GltfIndex, std::vector<Variant>> variants_; // of each mesh
     std::map<GltfIndex, std::vector<std::pair<std::string, GltfIndex>>>
-        stored_;                        // new elements of each accessor
-    std::set<GltfIndex> keeps_;         // accessors that primitives outside the scene use
-    std::set<GltfIndex> is_outside_;    // meshes of nodes outside the scene
-    std::map<GltfIndex, Point3> steps_; // of translations of nodes, in the space of their parents
+        stored_;                         // new elements of each accessor
+    std::set<GltfIndex> kept_accessors_; // accessors that primitives outside the scene or other samplers use
+    std::set<GltfIndex> outside_meshes_; // meshes of nodes outside the scene
+    std::map<GltfIndex, Point3> steps_;  // of translations of nodes, in the space of their parents
 };
 
 } // namespace
@@ -624,8 +635,9 @@ Expected<MovedFile> GltfScene::moved(const MeshFile& mesh, const MovedVertices& 
 Expected<MeshFile> without_skins(const MeshFile& mesh) {
     try {
         const MovedVertices at_rest{.places = mesh.vertices, .drops_skins = true};
-        return read_scene(SceneMover(static_cast<const GltfScene&>(*mesh.document), mesh, at_rest).document(),
-                          mesh.name);
+        return read_scene(
+            SceneMover(static_cast<const GltfScene&>(*mesh.document), mesh, at_rest).moved_document(),
+            mesh.name);
     } catch (const GltfFault& fault) {
         return FileError{mesh.name + ": " + fault.what()};
     } catch (const GltfJson::exception& fault) {

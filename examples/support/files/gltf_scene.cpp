@@ -282,7 +282,9 @@ private:
         add_faces(known->second, primitive, name);
     }
 
-    /// Three numbers per vertex.
+    /// The first three numbers of each element.
+    ///
+    ///   count   the expected number of elements; gltf_none: any
     std::vector<Point3> read_points(GltfIndex accessor, std::size_t count, const std::string& user,
                                     std::string_view type = "VEC3") const {
         const GltfNumbers read = document_.numbers(accessor, {type}, user);
@@ -306,8 +308,9 @@ private:
         run.first = mesh_.vertices.size();
         run.places = read_points(run.position, gltf_none, name + ", POSITION");
         const std::size_t count = run.places.size();
-        const std::size_t most = std::min<std::size_t>(
-            std::max(std::size_t{1} << 20, 4 * document_.file_size()), 0xfffffffe); // nodes repeat meshes
+        const std::size_t most =
+            std::min<std::size_t>(std::max(std::size_t{1} << 20, 4 * document_.file_size()),
+                                  0xfffffffe); // since many nodes can use one mesh
         if (count > most - run.first)
             throw GltfFault("its nodes have more than " + std::to_string(most) + " vertices together");
         if (run.tangent != gltf_none) (void)read_points(run.tangent, count, name + ", TANGENT", "VEC4");
@@ -376,7 +379,7 @@ private:
                 throw GltfFault(name + ": the weights of vertex " + std::to_string(i) +
                                 " have no positive sum");
             for (std::size_t k = 0; k < run.influences; ++k)
-                run.joint_weights[i * run.influences + k] /= sum; // rounded, or integers
+                run.joint_weights[i * run.influences + k] /= sum; // the sum is 1 up to rounding
         }
     }
 
@@ -449,7 +452,8 @@ private:
         if (length > 0 && std::isfinite(length)) normal = (1 / length) * n;
     }
 
-    /// Appends the places that vertices reach by each morph target to the guides.
+    /// Appends to the guides, for each vertex and each morph target that moves it, the position at rest plus
+    /// the displacement of the target.
     void add_target_ends(const GltfVertices& run, std::span<const Affine3> worlds) {
         const auto maps = run.targets.empty() ? std::vector<Affine3>() : scene_.maps(run, worlds);
         for (std::size_t i = 0; i < run.count() && !maps.empty(); ++i) {

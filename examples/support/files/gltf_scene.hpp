@@ -52,7 +52,8 @@ struct GltfSkin {
     std::vector<Affine3> inverse_binds;
 };
 
-/// The vertices of primitives of a node's mesh that share the accessors of all moving attributes.
+/// A run: vertices of primitives of one node's mesh. These primitives have the same accessors of positions,
+/// normals, tangents and morph targets. The vertices are consecutive in MeshFile::vertices.
 struct GltfVertices {
     GltfIndex node = 0, mesh = 0;
     std::vector<std::size_t> primitives;                             // of the mesh
@@ -72,7 +73,7 @@ struct GltfVertices {
 /// A pose of the nodes, and the weights of their morph targets.
 struct GltfPose {
     std::vector<GltfTransform> nodes;         // #nodes
-    std::vector<std::vector<double>> weights; // #runs of vertices
+    std::vector<std::vector<double>> weights; // #runs
 };
 
 /// A document and its default scene.
@@ -82,13 +83,12 @@ public:
     std::vector<GltfNode> nodes;
     std::vector<GltfSkin> skins;
     std::vector<GltfVertices> runs; // in the order of MeshFile::vertices
-    std::vector<GltfIndex> joints;  // nodes of all skins in use, each once; MeshFile::guides begin with them
+    std::vector<GltfIndex> joints;  // nodes of all skins in use, each once; guides begin with their origins
 
     explicit GltfScene(GltfDocument read)
         : document(std::move(read)) {}
     GltfScene(const GltfScene& other) = default;
 
-    std::string_view format() const override { return "glTF"; }
     std::vector<std::string> extensions() const override { return {".glb", ".gltf"}; }
     Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
                               const std::filesystem::path& path) const override;
@@ -115,8 +115,10 @@ public:
 ///   fails     if the document is broken, or has no vertices in the scene
 Expected<MeshFile> read_scene(GltfDocument document, const std::string& name);
 
-/// A mesh of a GltfScene whose skins are replaced by the positions, normals and tangents at rest. Fails as
+/// The mesh without its skins: its document has the positions, normals and tangents at rest. Fails as
 /// GltfScene::moved().
+///
+///   mesh   its document is a GltfScene
 Expected<MeshFile> without_skins(const MeshFile& mesh);
 
 /// As read_scene(), from the contents of a .gltf or .glb file.

@@ -73,8 +73,8 @@ struct GltfJoint {
     std::string name;
     Point3 place; // relative to an origin
     std::size_t parent = no_parent;
-    bool has_axes =
-        false; // whether a node below the joint's node is the parent of its children, and has its weights
+    /// Whether the joint has a second node, below its first one. This node has the weights and the children.
+    bool has_axes = false;
 };
 
 /// The nodes of joints.
@@ -90,9 +90,9 @@ struct GltfJoints {
 GltfJoints add_joints(GltfDocument& document, const std::string& root_name, const Point3& origin,
                       std::span<const GltfJoint> joints);
 
-/// Adds a skin to all surfaces. Surfaces keep their positions; nodes with children, parents or animations
-/// hand their meshes over to new root nodes, because transforms of nodes do not affect skinned meshes
-/// (3.7.3.2).
+/// Adds a skin to all surfaces. Surfaces keep their positions. Transforms of nodes do not affect skinned
+/// meshes (3.7.3.2). So the mesh of a node with a parent, children, a camera, extensions or animations of its
+/// transform moves to a new root node.
 ///
 ///   skin      of the figure's vertices
 ///   weights   float, unorm8 or unorm16

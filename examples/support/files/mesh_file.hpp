@@ -38,23 +38,24 @@ inline Point3 rounded_to_single(const Point3& p) {
 inline constexpr const char* mesh_formats =
     "Meshes are glTF, OBJ, PLY or STL files with faces of any number of corners, or Medit\n"
     ".mesh files. The contents of a file decide its format. The output is the input with\n"
-    "moved points and normals, and everything else as it was.\n"
+    "moved points and normals; nothing else changes.\n"
     "glTF: the triangles, lines and points of the default scene, in world space. Nodes,\n"
     "materials, images, extensions and animations stay. A mesh that two nodes use is\n"
     "divided only if its copies differ in the pose. Skins are kept: joints move with the\n"
     "cage, and animations play; --drop-skin writes the pose without skins. Morph targets\n"
-    "move by the Jacobian of the deformation. Quantised and sparse numbers become floats,\n"
-    "and Draco and meshopt data become plain.\n"
+    "move by the Jacobian of the deformation. Moved numbers become floats, also quantised\n"
+    "and sparse ones. Draco and meshopt data are written uncompressed. Images are copied\n"
+    "into the output's folder.\n"
     "OBJ: if a pose turns a shared normal differently at its vertices, each vertex gets a\n"
-    "normal of its own. glTF files get objects, materials, textures and the colours of\n"
+    "copy of the normal. glTF files get objects, materials, textures and the colours of\n"
     "vertices (v x y z r g b, from 0 to 1, sRGB).\n"
     "PLY: binary or ASCII; moved numbers keep their types. A file without faces is a cloud\n"
     "of points. STL: binary or ASCII; equal corners are one vertex, numbered in the order of\n"
     "the file, and normals are those of the moved triangles.\n"
-    "Numbers have to be finite, except at vertices that no face uses. Files have at most\n"
-    "2 GB; bind_tiles reads points of any size.\n"
-    "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
-    "faults count from 0.\n"
+    "Numbers have to be finite; OBJ, PLY and Medit files may have others at vertices that no\n"
+    "face uses. Files have at most 2 GB; bind_tiles reads points of any size.\n"
+    "In messages, v 1 is the first vertex of the file. Options, lists of faults and elements\n"
+    "such as \"vertex 0\" count from 0.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
     "outside; it can have several shells. A pose is the same mesh with its vertices\n"
     "moved. In a cage that is no OBJ file, vertices at one place become one; it is numbered\n"
@@ -95,21 +96,19 @@ struct WrittenFile {
     std::string bytes;
 };
 
-/// A file with moved vertices, and other files that it refers to.
+/// The files of an output: the file with moved vertices, then those that it refers to.
 struct MovedFile {
     std::vector<WrittenFile> files;
     std::vector<std::string> notes; // for the user, such as errors of morph targets
 };
 
-/// The contents of a binary file, which writes them with moved vertices.
+/// The contents of a glTF, PLY or STL file, which writes them with moved vertices.
 class MeshDocument {
 public:
     MeshDocument() = default;
     MeshDocument& operator=(const MeshDocument&) = delete;
     virtual ~MeshDocument() = default;
 
-    /// The name of the format, such as "PLY".
-    virtual std::string_view format() const = 0;
     /// Extensions of its files, in lower case; the first is the usual one.
     virtual std::vector<std::string> extensions() const = 0;
     /// The file with moved vertices and normals, and files that it refers to. Everything else is unchanged.

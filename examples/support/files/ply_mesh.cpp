@@ -49,7 +49,6 @@ public:
     explicit PlyDocument(std::string bytes)
         : bytes_(std::move(bytes)) {}
 
-    std::string_view format() const override { return "PLY"; }
     std::vector<std::string> extensions() const override { return {".ply"}; }
     Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
                               const std::filesystem::path& path) const override;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads points in space in blocks: vertices of PLY and OBJ files and numpy arrays of any size, vertices of
-// other meshes.
+// Reads points in space in blocks: vertices of PLY and OBJ files, and numpy arrays, all of any size. Vertices
+// of glTF and STL files are read at once.
 
 #include "files/mesh_file.hpp"
 #include "files/ply_file.hpp"

@@ -187,7 +187,6 @@ public:
     explicit StlDocument(std::string bytes)
         : bytes_(std::move(bytes)) {}
 
-    std::string_view format() const override { return "STL"; }
     std::vector<std::string> extensions() const override { return {".stl"}; }
     Expected<MovedFile> moved(const MeshFile& mesh, const MovedVertices& moved,
                               const std::filesystem::path& path) const override;

@@ -1,4 +1,4 @@
-// A GLB file beside the one that deform_mesh wrote, at rest and walking: the animation of the file moves the changed body.
+// A GLB file beside the one that deform_mesh wrote from it, each at rest and in the file's animation "walk".
 
 import { AnimationClip, AnimationMixer } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';

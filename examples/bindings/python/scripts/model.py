@@ -2,7 +2,8 @@
 
 MODEL is a GLB file, or a file that meshio opens: OBJ, PLY, STL. A GLB file keeps all but its positions and normals.
 Joints do not move, so animations of a skin do not fit the new shape. Morph targets do not move. A mesh of two nodes
-follows the last node. The program deform_mesh has none of these limits.
+follows the last node. Primitives must be triangles with indices and normals. The program deform_mesh has none of these
+limits.
 """
 
 import json
@@ -37,7 +38,7 @@ def bend_glb(model, out, vertices):
     document = json.loads(data[20:20 + length])
     accessors, nodes = document['accessors'], document['nodes']
 
-    def numbers(index):  # in place, unless they are normalized
+    def numbers(index):  # of the file in memory; a copy if they are normalized
         accessor = accessors[index]
         view = document['bufferViews'][accessor['bufferView']]
         dtype = np.dtype({5121: 'u1', 5123: '<u2', 5125: '<u4', 5126: '<f4'}[accessor['componentType']])
