@@ -101,7 +101,7 @@ TEST_CASE("whatever the extension, the contents are read or the reason is told",
                                                            {gltf, ".gltf"},
                                                            {mark + gltf, ".gltf"}};
     const std::string cut = std::string(75, ' ') + std::string("\2\0\0\0", 4) + std::string(70, 'v');
-    const std::string junk("\1\xff\0v\n", 5);
+    const std::string junk("[\xff\0v\n", 5);
     const std::pair<std::string, std::string> faults[] = {
         {"[1, 2]", "the JSON is not an object"},
         {" {}", "has no asset with a version"},

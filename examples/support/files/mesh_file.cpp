@@ -32,7 +32,7 @@ std::string_view other_format(std::string_view text) {
     if (begins_with_word("solid") || begins_with_word("SOLID")) return "STL";
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
-    if (begin.starts_with('{') || begin.starts_with('[')) return "JSON";
+    if ((begin.starts_with('{') || begin.starts_with('[')) && !has_control_characters(begin)) return "JSON";
     if (begins_with_word("ply")) return "PLY";
     for (const std::string_view first : {"<svg", "<?xml", "<!--", "<!DOCTYPE svg"}) {
         if (begin.starts_with(first) && text.find("<svg") != text.npos) return "SVG";
