@@ -226,6 +226,16 @@ private:
     std::vector<bool> is_shared_;   // #accessors: whether others use the same bytes; empty before replace()
 };
 
+namespace detail {
+
+/// Decodes percent-encoded bytes of a URI, such as %41 (RFC 3986, section 2.1).
+std::string percent_decoded(std::string_view uri);
+
+/// Whether a URI has a scheme, such as "https:", and is therefore no path.
+bool has_scheme(const std::string& uri);
+
+} // namespace detail
+
 /// The error of nlohmann-json in a document, without its codes.
 FileError json_error(const std::string& path, const GltfJson::exception& fault);
 
