@@ -59,7 +59,6 @@ fi
 poses rest --move all:0,0,0
 poses moved --move all:0.5,-0.25,1
 poses scaled --scale all:1.5@0.5,0,0
-poses turned --turn all:70,1,-1,0.5@0.2,0,0
 poses stretched --scale all:1.4,0.7,1.1@0,0,0 --turn all:40,y@0,1,0 --move all:1,2,-1 --scale all:0.8,1,1.2@0,0,1
 "$python" "$here/broken_models.py" "$folder/broken" "$deform" '{in}' --cage box --scale all:1.5,0.8,1.2 -o '{out}' >"$folder/log" ||
   fails "broken files"
