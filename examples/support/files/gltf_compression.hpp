@@ -30,8 +30,8 @@ bool has_meshopt();
 ///   mode     ATTRIBUTES, TRIANGLES or INDICES
 ///   filter   NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL; NONE if the file does not name a filter
 ///   returns  count · stride bytes
-///   fails    if the build has no decoder, a property is outside the extension's ranges, or the stream does
-///            not hold the elements
+///   fails    if the build has no decoder, or a property is outside the extension's ranges. Also fails if
+///            the stream does not hold the elements.
 Expected<std::string> decode_meshopt(std::string_view source, std::size_t count, std::size_t stride,
                                      const std::string& mode, const std::string& filter);
 
@@ -53,8 +53,8 @@ struct DracoPrimitive {
 ///   source     the bytes of the extension's buffer view
 ///   vertices   `count` of the primitive's accessors
 ///   indices    `count` of the accessor of indices
-///   fails      if the build has no decoder, the stream is broken, or it differs from the accessors in a
-///              count or a number of components, or has floats for accessors of integers
+///   fails      if the build has no decoder or the stream is broken. Also fails if the counts or components
+///              of the stream are not those of the accessors. Floats for accessors of integers also fail.
 Expected<DracoPrimitive> decode_draco(std::string_view source, std::span<const DracoAccessor> accessors,
                                       std::size_t vertices, std::size_t indices);
 

@@ -136,7 +136,7 @@ public:
     /// The files of the document: one, and for .gltf also its buffers, unless they are data URIs.
     ///
     ///   path    of the output, .gltf or .glb
-    ///   fails   if the document is larger than the format allows
+    ///   fails   if the buffers are larger than largest_mesh_file, or an image cannot be copied
     Expected<std::vector<WrittenFile>> files(const std::filesystem::path& path) const;
 
 private:

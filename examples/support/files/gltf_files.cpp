@@ -63,7 +63,7 @@ Expected<std::vector<WrittenFile>> GltfDocument::files(const std::filesystem::pa
     std::size_t bytes = 0;
     for (const Buffer& buffer : buffers_) bytes += buffer.bytes.size();
     if (bytes > largest_mesh_file)
-        return FileError{path.string() + ": would be larger than the format allows"};
+        return FileError{path.string() + ": would have more than 2000 MB, the limit for meshes"};
     GltfJson whole_json = json;
     std::vector<WrittenFile> images;
     try {

@@ -145,6 +145,7 @@ std::size_t PointFile::read(std::size_t most, std::vector<double>& numbers) {
 
 std::optional<std::uint64_t> PointFile::hash_to_end() {
     if (mesh_) return InputFile(path_).hash_to_end();
+    if (!ply_ && !obj_ && !npy_) return std::nullopt; // a mesh that could not be read
     const auto hash = ply_ ? ply_->hash_to_end() : obj_ ? obj_->hash_to_end() : npy_->hash_to_end();
     if (error_.empty()) error_ = ply_ ? ply_->error() : obj_ ? obj_->error() : npy_->error();
     return hash;
