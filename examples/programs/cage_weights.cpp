@@ -9,11 +9,11 @@
 //     # chain          edges between successive points; two points or more
 //     # point 12.5     one point; everything within the radius follows it
 //
-// A point of a chain that is equal to an earlier vertex is that vertex. A 3D cage is an OBJ of a closed mesh.
-// Points are lines "x,y" or "x,y,z".
+// A point of a chain that is equal to an earlier vertex is that vertex. A 3D cage is a closed mesh.
+// Points are lines "x,y" or "x,y,z" of a CSV, vertices of a mesh, or a numpy array (files/point_file.hpp).
 //
 // sibson and sibson-c1 use points instead of a cage (site_file.hpp): "x,y" or "x,y,z" lines of a CSV, circles
-// of an SVG or vertices of an OBJ.
+// of an SVG or vertices of a mesh.
 //
 // The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
 // weights. The first columns are the vertices of the loops (or of the OBJ) in the order of the file. The new

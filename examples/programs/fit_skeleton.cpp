@@ -103,7 +103,7 @@ MddFile sample_animation(Arguments& given, const MeshFile& figure) {
     return file;
 }
 
-/// Returns the error if both meshes have as many faces, but not of the same vertices; else empty.
+/// Returns the error if the meshes have equally many faces, and a face has other vertices. Else empty.
 std::string fault_of_faces(const MeshFile& figure, const MeshFile& frame) {
     const auto sorted = [](const MeshFile& mesh, std::size_t f) { // --flip-faces reverses faces
         std::vector<std::uint32_t> vertices;

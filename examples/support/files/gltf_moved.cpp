@@ -388,8 +388,8 @@ private:
         move_steps(2, i, own, tangent, carried, result);
     }
 
-    /// Moves the displacements of a normal (kind 1) or tangent (kind 2) by morph targets. The displacements
-    /// and the vector get the same linear map, so that all weights give the moved vector.
+    /// Moves the displacements of a normal (kind 1) or tangent (kind 2) by morph targets. The linear map and
+    /// the factor are those of the vector at rest, so sums for any weights keep their directions.
     template <class Carried>
     void move_steps(std::size_t kind, std::size_t i, const Point3& own, const Point3& now,
                     const Carried& carried, MovedRun& result) {
@@ -433,7 +433,7 @@ private:
             return;
         }
         GltfIndex mesh = run.mesh;
-        const bool is_kept = outside_meshes_.contains(mesh); // for nodes outside the scene
+        const bool is_kept = outside_meshes_.contains(mesh); // nodes outside the scene use it
         if (is_kept && std::all_of(runs.begin() + std::ptrdiff_t(first), runs.begin() + std::ptrdiff_t(end),
                                    [&](const MovedRun& moved) {
                                        return is_at_rest(scene_.runs[std::size_t(&moved - runs.data())],

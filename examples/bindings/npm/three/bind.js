@@ -51,7 +51,7 @@ const binding = new Coordinates(Cage.mesh(cage.vertices, cage.faces), { kind: 'h
 console.log(`${binding.points} points bound in ${Math.round(performance.now() - start)} ms`);
 const { times, poses } = parseClip(await file('character_clip.csv'));
 const { clip } = compileClip(times, poses, { after: 'cycle', packTolerance: 1e-4 });
-// A tolerance opens seams between points at one place by at most twice its value.
+// Points at one place may move apart by at most twice the tolerance.
 const { bytes, report } = binding.pack({ tolerance: 1e-4, poses: poses.flat(), clips: { dance: clip } });
 console.log(`${bytes.length} bytes, maximum error ${report.distance.toPrecision(2)}`);
 await writeFile(`${out}/character.figure`, bytes);

@@ -3,7 +3,7 @@
 import { BufferAttribute, Mesh, Vector4 } from 'three';
 
 /** Returns the meshes of a scene, in its current pose and in world space, with their materials. `attributes` are their
- *  positions, normals and tangents, as parts of three arrays of all points. A mesh without tangents leaves its part 0. */
+ *  positions, normals and tangents, as parts of three arrays of all points. If a mesh has no tangents, its part stays zero. */
 export function worldMeshes(scene) {
   const found = [],
     attributes = [],

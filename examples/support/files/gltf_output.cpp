@@ -168,7 +168,7 @@ std::string GltfDocument::packed_bytes(GltfJson& whole_json) const {
         if (own >= buffers_.size() || begin > buffers_[own].bytes.size() ||
             size > buffers_[own].bytes.size() - begin)
             continue;                                   // not used by any accessor that was read
-        if (own != buffer || begin > source + copied) { // the offset keeps its remainder of eight
+        if (own != buffer || begin > source + copied) { // the offset stays the same modulo 8
             buffer = own;
             source = begin;
             copied = 0;
