@@ -51,7 +51,8 @@ public:
         }
         if (bytes.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
         const bool is_solid = is_word(next_word(), "solid");
-        // In binary files of up to 2 GB, the last byte of the triangle count is at most 2: a control character.
+        // In binary files of up to 2 GB, the last byte of the triangle count is at most 2: a control
+        // character.
         if (is_solid && !has_control_characters(bytes.substr(0, stl_head))) {
             skip_line();
             return;
