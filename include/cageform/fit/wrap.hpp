@@ -6,6 +6,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/fit/detail/find_wrap.hpp>
+#include <cageform/fit/detail/wrap_lattice.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -112,6 +113,15 @@ Result<Wrap<typename C::scalar>, WrapReport> wrap(const C& coordinates, const Su
 
 namespace detail {
 
+/// Multiplies the Jacobians of points by another map's, J ← K J.
+template <Scalar T>
+void multiply_from_left(const std::array<Vec<double, 3>, 3>& columns, std::array<Vec<T, 3>, 3>& jacobian) {
+    for (auto& image : jacobian) {
+        const auto v = vec_cast<double>(image);
+        image = vec_cast<T>(v[0] * columns[0] + (v[1] * columns[1] + v[2] * columns[2]));
+    }
+}
+
 /// Moves points by `first` and the lattice of a wrap. `jacobians` (#points, or empty) are multiplied.
 template <Scalar T>
 Status move_by_lattice(const Wrap<T>& wrap, std::vector<Vec<T, 3>>& points,
@@ -121,38 +131,33 @@ Status move_by_lattice(const Wrap<T>& wrap, std::vector<Vec<T, 3>>& points,
         for (auto& column : j) column = wrap.first.map_vector(column);
     }
     if (!wrap.lattice) return Status::ok;
-    constexpr std::size_t batch = 4096; // bounds the memory of the weights
-    for (std::size_t from = 0; from < points.size(); from += batch) {
-        const std::size_t count = (std::min)(batch, points.size() - from);
-        const auto part = std::span(points).subspan(from, count);
-        const Running silent{running.parallel, {}};
-        const auto [binding, report] = bind(*wrap.lattice, part, {}, silent);
-        if (report.status != Status::ok) return report.status;
-        if (!jacobians.empty()) {
-            const auto [axes, bound] = bind_jacobians(*wrap.lattice, part, {}, silent);
-            if (bound.status != Status::ok) return bound.status;
-            std::vector<T> matrices(9 * count);
-            const StridedMatrices<T, 3> of_lattice(matrices.data(), count);
-            const Status status = clone_jacobians(axes, wrap.lattice_pose, of_lattice);
-            if (status != Status::ok) return status;
-            for (std::size_t n = 0; n < count; ++n) {
-                for (auto& column : jacobians[from + n]) {
-                    Vec<T, 3> sum{};
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const T* const image = matrices.data() + 9 * n + 3 * k;
-                        sum = sum + column[k] * Vec<T, 3>{image[0], image[1], image[2]};
-                    }
-                    column = sum;
+    if (wrap.lattice_pose.size() != wrap.lattice->handles().size()) return Status::pose_size_differs;
+    const WrapLattice lattice(*wrap.lattice);
+    const LinearMap<double, 3> to_box = inverse_columns(wrap.lattice->box());
+    std::vector<Point> pose;
+    for (const auto& p : wrap.lattice_pose) pose.push_back(vec_cast<double>(p));
+    return for_each_block((points.size() + 255) / 256, running, [&](std::size_t first, std::size_t last) {
+        LatticeRows rows, slopes;
+        std::vector<Point> places;
+        for (std::size_t b = first; b < last; ++b) {
+            const std::size_t begin = 256 * b, end = (std::min)(begin + 256, points.size());
+            places.clear();
+            for (std::size_t n = begin; n < end; ++n)
+                places.push_back(product(to_box, vec_cast<double>(points[n] - wrap.lattice->box().translation)));
+            (void)lattice.weights(places, rows);
+            if (!jacobians.empty()) (void)lattice.gradients(places, {}, slopes);
+            for (std::size_t n = begin; n < end; ++n) {
+                points[n] = vec_cast<T>(rows.product(n - begin, pose));
+                if (jacobians.empty()) continue;
+                std::array<Point, 3> columns{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Point along = slopes.product(3 * (n - begin) + k, pose);
+                    for (std::size_t c = 0; c < 3; ++c) columns[c] = columns[c] + to_box.at[k][c] * along;
                 }
+                multiply_from_left(columns, jacobians[n]);
             }
         }
-        std::vector<Vec<T, 3>> moved(count);
-        const Status status = clone(binding, wrap.lattice_pose, moved);
-        if (status != Status::ok) return status;
-        std::copy(moved.begin(), moved.end(), part.begin());
-        if (!running.keep_going(double(from + count) / double(points.size()))) return Status::cancelled;
-    }
-    return Status::ok;
+    });
 }
 
 template <class C, Scalar T>

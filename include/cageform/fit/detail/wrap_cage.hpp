@@ -61,10 +61,11 @@ public:
         add_batch();
         return entries_.trace();
     }
-    void add(double factor, DenseMatrix& other) {
-        other.add_batch();
-        entries_ += factor * other.entries_;
+    /// Sets the matrix to a + factor · b.
+    void set_sum(DenseMatrix& a, double factor, DenseMatrix& b) {
+        entries_ = a.entries() + factor * b.entries();
     }
+    void clear() noexcept { entries_.setZero(); }
 
     const Eigen::MatrixXd& entries() {
         add_batch();

@@ -1,6 +1,7 @@
 // The lattice of a wrap: weights of points as blocks of 4 × 4 × 4 numbers, and the normal equations.
 #pragma once
 
+#include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/lattice/refine.hpp>
 #include <cageform/pose/detail/stretches.hpp>
 
@@ -9,6 +10,25 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 using Point = Vec<double, 3>;
+
+/// Returns the inverse of the linear part of a map; its columns must be linearly independent.
+template <Scalar T>
+LinearMap<double, 3> inverse_columns(const Transform<T, 3>& of) noexcept {
+    std::array<Point, 3> column;
+    for (std::size_t k = 0; k < 3; ++k) column[k] = vec_cast<double>(of.columns[k]);
+    const double over = 1 / dot(column[0], cross(column[1], column[2]));
+    LinearMap<double, 3> to;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Point row = over * cross(column[(k + 1) % 3], column[(k + 2) % 3]);
+        for (std::size_t c = 0; c < 3; ++c) to.at[k][c] = row[c];
+    }
+    return to;
+}
+inline Point product(const LinearMap<double, 3>& m, const Point& v) noexcept {
+    Point to{};
+    for (std::size_t r = 0; r < 3; ++r) to[r] = m.at[r][0] * v[0] + m.at[r][1] * v[1] + m.at[r][2] * v[2];
+    return to;
+}
 
 /// Rows of 64 weights, of the handles in a block of a lattice.
 struct LatticeRows {
@@ -85,10 +105,11 @@ public:
         for (std::size_t n = 0; n < unknowns_.size(); ++n) sum += entries_[n * stencil + centre];
         return sum;
     }
-    /// Adds factor times a matrix with the same unknowns.
-    void add(double factor, const LatticeMatrix& other) noexcept {
-        for (std::size_t n = 0; n < entries_.size(); ++n) entries_[n] += factor * other.entries_[n];
+    /// Sets the matrix to a + factor · b. All have the same unknowns.
+    void set_sum(const LatticeMatrix& a, double factor, const LatticeMatrix& b) noexcept {
+        for (std::size_t n = 0; n < entries_.size(); ++n) entries_[n] = a.entries_[n] + factor * b.entries_[n];
     }
+    void clear() noexcept { std::fill(entries_.begin(), entries_.end(), 0); }
 
     /// Returns the lower triangle. Throws std::bad_alloc.
     Eigen::SparseMatrix<double> lower() const {
@@ -180,6 +201,16 @@ public:
         }
         cell_ = h;
         for (std::size_t n = 0; n < size(); ++n) rest_.push_back(rest_place(n));
+    }
+
+    /// A cubic lattice in the coordinates of its box, [0, 1]³.
+    template <Scalar T>
+    explicit WrapLattice(const LatticeCoordinates<T, 3>& lattice)
+        : size_{1, 1, 1} {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto knots = lattice.knots(k);
+            set_axis(k, {lattice.points(k), 3, {knots.begin(), knots.end()}});
+        }
     }
 
     std::size_t size() const noexcept { return counts_[0] * counts_[1] * counts_[2]; }

@@ -42,7 +42,10 @@ public:
         : scene_(scene)
         , basis_(basis)
         , options_(options)
-        , running_(running) {}
+        , running_(running)
+        , data_(basis.matrix({}))
+        , rigid_(data_)
+        , sum_(data_) {}
 
     /// Improves the pose (all handles of the basis). If cancelled, the pose is that of the last stiffness.
     /// Throws std::bad_alloc.
@@ -53,6 +56,7 @@ public:
         if (options_.first_by_landmarks && !list.empty()) list.insert(list.begin(), list.front());
         for (std::size_t n = 0; n < list.size(); ++n) {
             const double data = options_.first_by_landmarks && n == 0 ? 1e-3 : 1;
+            if (options_.first_by_landmarks && n < 2) set_data(data);
             WrapStep step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
             Status status = solve(list[n], data, running_.subtask(double(n) / double(list.size()),
@@ -124,6 +128,11 @@ private:
         }
         rigidity_.assign(scene_.samples.size(), 1);
         turns_.assign(block_count<double>(scene_.samples.size()) * 9, {});
+        data_ = basis_.matrix(unknowns_);
+        rigid_ = data_;
+        sum_ = data_;
+        set_data(1);
+        set_rigid();
         move_source(pose);
         return Status::ok;
     }
@@ -134,23 +143,22 @@ private:
         normals_ = vertex_normals(places_, scene_.source_faces);
     }
 
-    /// Adds the terms of the matrix that do not depend on λ.
-    Matrix data_matrix(double data) {
-        Matrix matrix = basis_.matrix(unknowns_);
+    /// Sets the matrix of the terms that do not depend on λ.
+    void set_data(double data) {
+        data_.clear();
         for (const std::uint32_t i : matched_)
-            matrix.add_product(vertex_rows_, i, i, data / double(matched_.size()));
+            data_.add_product(vertex_rows_, i, i, data / double(matched_.size()));
         for (std::size_t n = 0; n < guard_rows_.size(); ++n)
-            matrix.add_product(guard_rows_, n, n, guard_weight / double(guard_rows_.size()));
+            data_.add_product(guard_rows_, n, n, guard_weight / double(guard_rows_.size()));
         for (std::size_t n = 0; n < mark_rows_.size(); ++n)
-            matrix.add_product(mark_rows_, n, n, mark_weight(n));
-        return matrix;
+            data_.add_product(mark_rows_, n, n, mark_weight(n));
     }
     double mark_weight(std::size_t n) const noexcept {
         return (options_.is_last ? 0.1 : 1) * scene_.mark_weights[n];
     }
-    /// Adds the rigidity and smoothness of the samples, for λ = 1.
-    Matrix rigid_matrix() {
-        Matrix matrix = basis_.matrix(unknowns_);
+    /// Sets the matrix of the rigidity and smoothness of the samples, for λ = 1.
+    void set_rigid() {
+        rigid_.clear();
         const double share = 1 / double(scene_.samples.size());
         std::vector<double> own(scene_.samples.size());
         for (std::size_t s = 0; s < own.size(); ++s) own[s] = share * rigidity_[s];
@@ -160,31 +168,26 @@ private:
             own[a] += weight;
             own[b] += weight;
             for (std::size_t k = 0; k < 3; ++k) {
-                matrix.add_product(sample_rows_, 3 * a + k, 3 * b + k, -weight);
-                matrix.add_product(sample_rows_, 3 * b + k, 3 * a + k, -weight);
+                rigid_.add_product(sample_rows_, 3 * a + k, 3 * b + k, -weight);
+                rigid_.add_product(sample_rows_, 3 * b + k, 3 * a + k, -weight);
             }
         }
         for (std::size_t s = 0; s < own.size(); ++s) {
             for (std::size_t k = 0; k < 3; ++k)
-                matrix.add_product(sample_rows_, 3 * s + k, 3 * s + k, own[s]);
+                rigid_.add_product(sample_rows_, 3 * s + k, 3 * s + k, own[s]);
         }
-        return matrix;
     }
 
     Status solve(double stiffness, double data, const Running& running, WrapMatches& matches,
                  std::vector<Point>& pose, WrapStep& step) {
         constexpr int attempts = 3;
-        if (!rigid_) rigid_.emplace(rigid_matrix());
-        Matrix fixed = data_matrix(data);
         for (int attempt = 0; attempt < attempts; ++attempt) {
-            Matrix matrix = basis_.matrix(unknowns_);
-            matrix.add(1, fixed);
-            matrix.add(stiffness, *rigid_);
-            const double mean = matrix.trace() / double(unknowns_.size());
+            sum_.set_sum(data_, stiffness, rigid_);
+            const double mean = sum_.trace() / double(unknowns_.size());
             const double ridge = 1e-5 * stiffness / (stiffness + 1e-4), proximity = 1e-7 * mean;
-            basis_.add_ridge(matrix, is_unknown_, ridge * mean);
-            for (const std::uint32_t i : unknowns_) matrix.add_entry(i, i, proximity);
-            if (!factors_.factor(matrix)) return Status::pose_not_determined;
+            basis_.add_ridge(sum_, is_unknown_, ridge * mean);
+            for (const std::uint32_t i : unknowns_) sum_.add_entry(i, i, proximity);
+            if (!factors_.factor(sum_)) return Status::pose_not_determined;
             if (!iterate(stiffness, data, proximity, running, matches, pose, step))
                 return Status::cancelled;
             bool is_low = false;
@@ -195,7 +198,7 @@ private:
                 rigidity_[s] *= 10;
             }
             if (!is_low) break;
-            rigid_.emplace(rigid_matrix());
+            set_rigid();
         }
         return Status::ok;
     }
@@ -339,28 +342,30 @@ private:
     /// good positions, without a new solve.
     ///
     ///   good  the pose before the step, which the places keep to at least half of their stretches
-    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapStep& step) const {
+    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapStep& step) {
         constexpr int rounds = 80;
         constexpr double back = 0.3;
-        MovedPoints places;
-        for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers}) {
-            places.now.insert(places.now.end(), points->now.begin(), points->now.end());
-            places.jacobians.insert(places.jacobians.end(), points->jacobians.begin(), points->jacobians.end());
+        if (check_rows_.size() == 0) {
+            for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers}) {
+                checks_.now.insert(checks_.now.end(), points->now.begin(), points->now.end());
+                checks_.jacobians.insert(checks_.jacobians.end(), points->jacobians.begin(),
+                                         points->jacobians.end());
+            }
+            const Status status = basis_.gradients(checks_.now, checks_.jacobians, check_rows_);
+            if (status != Status::ok) return status;
         }
-        Rows rows, weights;
-        Status status = basis_.gradients(places.now, places.jacobians, rows);
-        if (status != Status::ok) return status;
-        std::vector<double> least = least_stretches(rows, pose);
+        std::vector<double> least = least_stretches(check_rows_, pose);
         const auto is_low = [&](std::size_t n) { return least[n] < options_.floor; };
         std::vector<std::size_t> numbers(least.size());
         std::iota(numbers.begin(), numbers.end(), std::size_t{0});
         if (std::none_of(numbers.begin(), numbers.end(), is_low)) return Status::ok;
 
-        std::vector<double> limits = least_stretches(rows, good);
+        std::vector<double> limits = least_stretches(check_rows_, good);
         for (double& limit : limits)
             limit = limit >= options_.floor ? options_.floor
                                             : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
-        status = basis_.weights(places.now, weights);
+        Rows weights;
+        const Status status = basis_.weights(checks_.now, weights);
         if (status != Status::ok) return status;
         std::vector<double> kept(basis_.size(), 1), pulled(basis_.size());
         const std::vector<Point> wanted = pose;
@@ -387,7 +392,7 @@ private:
                 kept[i] *= 1 - back * std::cbrt(pulled[i]);
                 pose[i] = good[i] + kept[i] * (wanted[i] - good[i]);
             }
-            least = least_stretches(rows, pose);
+            least = least_stretches(check_rows_, pose);
         }
         step.kept = 0;
         for (const std::uint32_t i : unknowns_) step.kept += kept[i] / double(unknowns_.size());
@@ -400,11 +405,13 @@ private:
     const Running& running_;
     std::vector<std::uint32_t> matched_; ///< vertices of the source that are matched
     Rows vertex_rows_, guard_rows_, mark_rows_, sample_rows_;
+    MovedPoints checks_; ///< the places of the fold guard: samples, vertices of the source, followers
+    Rows check_rows_;    ///< their derivatives
     std::vector<char> is_unknown_;        ///< #handles
     std::vector<std::uint32_t> unknowns_; ///< handles with a row
     std::vector<double> rigidity_;        ///< #samples times the weights a
     std::vector<Lanes<double>> turns_;    ///< R − 1, nine rows per block of samples
-    std::optional<Matrix> rigid_;
+    Matrix data_, rigid_, sum_;           ///< D, R and D + λ R
     typename Basis::Factors factors_;
     std::vector<Point> places_, normals_; ///< of all vertices of the moved source
 };
