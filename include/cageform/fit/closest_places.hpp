@@ -87,8 +87,8 @@ inline std::vector<char> rim_vertices(std::size_t count, std::span<const MeshFac
 
 /// A place of a surface.
 struct ClosestPlace {
-    std::uint32_t face = no_vertex; ///< no_vertex: the surface has no faces
-    std::array<double, 3> weights{}; ///< of the face's corners
+    std::uint32_t face = no_vertex;   ///< no_vertex: the surface has no faces
+    std::array<double, 3> weights{};  ///< of the face's corners
     Vec<double, 3> place{}, normal{}; ///< the normal is interpolated from the vertices
 };
 
@@ -154,8 +154,8 @@ public:
         if (best.face == no_vertex) return best;
         const auto& [a, b, c] = faces_[best.face];
         best.place = detail::point_of<3>(best.weights, {vertices_[a], vertices_[b], vertices_[c]});
-        best.normal = detail::unit_or_zero(
-            detail::point_of<3>(best.weights, {normals_[a], normals_[b], normals_[c]}));
+        best.normal =
+            detail::unit_or_zero(detail::point_of<3>(best.weights, {normals_[a], normals_[b], normals_[c]}));
         return best;
     }
     /// Whether a corner of a face lies on the rim, at an edge with one face.

@@ -64,9 +64,8 @@ Result<Wrap<T>, WrapReport> wrap(const SurfaceMesh& source, const SurfaceMesh& t
                                  const WrapOptions& options = {}, const Running& running = {}) {
     Result<Wrap<T>, WrapReport> result;
     WrapReport timed;
-    detail::run_into(timed, [&] {
-        return detail::find_wrap(source, target, options, nullptr, running, result);
-    });
+    detail::run_into(timed,
+                     [&] { return detail::find_wrap(source, target, options, nullptr, running, result); });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;
     return result;
@@ -143,7 +142,8 @@ Status move_by_lattice(const Wrap<T>& wrap, std::vector<Vec<T, 3>>& points,
             const std::size_t begin = 256 * b, end = (std::min)(begin + 256, points.size());
             places.clear();
             for (std::size_t n = begin; n < end; ++n)
-                places.push_back(product(to_box, vec_cast<double>(points[n] - wrap.lattice->box().translation)));
+                places.push_back(
+                    product(to_box, vec_cast<double>(points[n] - wrap.lattice->box().translation)));
             (void)lattice.weights(places, rows);
             if (!jacobians.empty()) (void)lattice.gradients(places, {}, slopes);
             for (std::size_t n = begin; n < end; ++n) {

@@ -182,8 +182,8 @@ private:
         for (std::uint32_t i = 0; i < scene_.followers.rest.size(); ++i) {
             const Point& p = scene_.followers.rest[i];
             const ClosestPlace at = source.find(p);
-            const auto corner = std::size_t(std::max_element(at.weights.begin(), at.weights.end()) -
-                                            at.weights.begin());
+            const auto corner =
+                std::size_t(std::max_element(at.weights.begin(), at.weights.end()) - at.weights.begin());
             const std::uint32_t vertex = scene_.source_faces[at.face][corner];
             const auto away = p - scene_.source.rest[vertex];
             if (dot(p - at.place, at.normal) > 0 && dot(away, source.normals()[vertex]) > 0)
@@ -233,7 +233,8 @@ private:
         const Similarity of_source = frame.unit.after(frame.first);
         std::vector<Point> rest;
         for (std::size_t i = 0; i < cage_->rest.size(); ++i)
-            rest.push_back(cage_->is_point[i] != 0 ? of_source(cage_->rest[i]) : of_source.linear(cage_->rest[i]));
+            rest.push_back(cage_->is_point[i] != 0 ? of_source(cage_->rest[i])
+                                                   : of_source.linear(cage_->rest[i]));
         return rest;
     }
     /// Evaluates the cage at points in the units of the wrap.
@@ -283,7 +284,8 @@ private:
         for (const auto& j : points.jacobians) {
             const Vec<double, 2> squares = squared_stretches(j);
             folded += determinant(j) > 0 ? 0 : 1;
-            report_.least_stretch = (std::min)(report_.least_stretch, std::copysign(std::sqrt(squares[0]), determinant(j)));
+            report_.least_stretch =
+                (std::min)(report_.least_stretch, std::copysign(std::sqrt(squares[0]), determinant(j)));
             report_.largest_stretch = (std::max)(report_.largest_stretch, std::sqrt(squares[1]));
         }
         return folded;

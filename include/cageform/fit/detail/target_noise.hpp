@@ -21,9 +21,8 @@ inline double surface_noise(std::span<const Vec<double, 3>> vertices, std::span<
     }
     if (used.size() <= neighbours || !(edge > 0)) return 0;
     const auto six = [&](std::uint32_t i) { return with_normal(vertices[i], normals[i], 3 * edge); };
-    const BoxTree<6> tree(used.size(), [&](std::uint32_t n) {
-        return Bounds<double, 6>{six(used[n]), six(used[n])};
-    });
+    const BoxTree<6> tree(used.size(),
+                          [&](std::uint32_t n) { return Bounds<double, 6>{six(used[n]), six(used[n])}; });
     std::vector<double> residuals;
     for (std::size_t n = 0; n < used.size() && n < most; ++n) {
         const std::uint32_t i = used[n];
@@ -50,10 +49,11 @@ inline double surface_noise(std::span<const Vec<double, 3>> vertices, std::span<
         }
         up = unit_or_zero(up);
         if (dot(up, up) == 0 || !(size > 0)) continue;
-        const auto along =
-            unit_or_zero(cross(up, std::fabs(up[0]) < 0.9 ? Vec<double, 3>{1, 0, 0} : Vec<double, 3>{0, 1, 0}));
+        const auto along = unit_or_zero(
+            cross(up, std::fabs(up[0]) < 0.9 ? Vec<double, 3>{1, 0, 0} : Vec<double, 3>{0, 1, 0}));
         const auto across = cross(up, along);
-        Eigen::Matrix<double, 6, 6> products = 1e-6 * double(neighbours) * Eigen::Matrix<double, 6, 6>::Identity();
+        Eigen::Matrix<double, 6, 6> products =
+            1e-6 * double(neighbours) * Eigen::Matrix<double, 6, 6>::Identity();
         Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
         for (const auto& [square, m] : nearest) {
             const auto e = vertices[m] - vertices[i];

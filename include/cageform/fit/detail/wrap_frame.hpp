@@ -160,7 +160,8 @@ struct WrapFrame {
             const auto own = turned_bounds(source, axes);
             first.scale = height / (own.upper[0] - own.lower[0]);
             const Similarity back = Similarity{1, axes, {}}.inverse();
-            first.shift = back(0.5 * (box.lower + box.upper)) - first.scale * back(0.5 * (own.lower + own.upper));
+            first.shift =
+                back(0.5 * (box.lower + box.upper)) - first.scale * back(0.5 * (own.lower + own.upper));
         }
         unit = {1 / height, axes, (-0.5 / height) * (box.lower + box.upper)};
     }

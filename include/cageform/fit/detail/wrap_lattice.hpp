@@ -107,7 +107,8 @@ public:
     }
     /// Sets the matrix to a + factor · b. All have the same unknowns.
     void set_sum(const LatticeMatrix& a, double factor, const LatticeMatrix& b) noexcept {
-        for (std::size_t n = 0; n < entries_.size(); ++n) entries_[n] = a.entries_[n] + factor * b.entries_[n];
+        for (std::size_t n = 0; n < entries_.size(); ++n)
+            entries_[n] = a.entries_[n] + factor * b.entries_[n];
     }
     void clear() noexcept { std::fill(entries_.begin(), entries_.end(), 0); }
 

@@ -47,9 +47,8 @@ public:
         const auto six = [&](std::size_t n) {
             return with_normal(places[vertices_[n]], normals[vertices_[n]], kappa_);
         };
-        const BoxTree<6> tree(vertices_.size(), [&](std::uint32_t n) {
-            return Bounds<double, 6>{six(n), six(n)};
-        });
+        const BoxTree<6> tree(vertices_.size(),
+                              [&](std::uint32_t n) { return Bounds<double, 6>{six(n), six(n)}; });
         const auto nearest_vertex = [&](const Vec<double, 6>& q, std::uint32_t guess) {
             std::uint32_t best = guess;
             double least = std::numeric_limits<double>::infinity();
@@ -104,8 +103,8 @@ public:
         const ClosestPlace at = scene_.target.find(x, normal, guard_faces_[n]);
         guard_faces_[n] = at.face;
         const double depth = at.face == no_vertex ? 0 : dot(at.place - x, at.normal);
-        const bool counts = depth > 0 && dot(normal, at.normal) > least_cosine &&
-                            !scene_.target.is_on_rim(at.face);
+        const bool counts =
+            depth > 0 && dot(normal, at.normal) > least_cosine && !scene_.target.is_on_rim(at.face);
         return counts ? depth * at.normal : Point{};
     }
     /// Returns the 95th percentile of the distances of matched vertices.
@@ -183,8 +182,7 @@ private:
         matched = 0;
         for (std::size_t k = 0; k < back_.size(); ++k) {
             const std::uint32_t n = back_[k];
-            if (n == no_vertex ||
-                !(dot(normals[vertices_[n]], scene_.back_normals[k]) > least_cosine))
+            if (n == no_vertex || !(dot(normals[vertices_[n]], scene_.back_normals[k]) > least_cosine))
                 continue;
             ++matched;
             const auto d = scene_.back_points[k] - places[vertices_[n]];

@@ -30,7 +30,7 @@ struct WrapScene {
 
     ClosestPlaces target;
     std::vector<Vec<double, 3>> back_points, back_normals; ///< places of the target that seek the source
-    std::size_t back_vertices = 0; ///< the first places are vertices of the target
+    std::size_t back_vertices = 0;                         ///< the first places are vertices of the target
 
     /// Followers outside the source: the follower, and the vertex of the source whose outside it keeps to.
     struct Guarded {
@@ -88,7 +88,8 @@ public:
     /// Throws std::bad_alloc.
     Status run(double spacing, double shell, const Running& running) {
         Bounds<double, 3> box = bounds_of(std::span<const Point>(scene_.source.rest));
-        if (scene_.followers.size() > 0) box.include(bounds_of(std::span<const Point>(scene_.followers.rest)));
+        if (scene_.followers.size() > 0)
+            box.include(bounds_of(std::span<const Point>(scene_.followers.rest)));
         box = box.widened(shell);
         std::array<std::size_t, 3> counts;
         for (std::size_t k = 0; k < 3; ++k)
@@ -100,12 +101,13 @@ public:
         const std::size_t row = counts[0], rows = counts[1] * counts[2];
         std::vector<char> is_sample(row * rows);
         const auto place = [&](std::size_t n) {
-            return box.lower + spacing * Point{double(n % row), double(n / row % counts[1]),
-                                               double(n / row / counts[1])};
+            return box.lower +
+                   spacing * Point{double(n % row), double(n / row % counts[1]), double(n / row / counts[1])};
         };
         const Status status = for_each_block(rows, running, [&](std::size_t begin, std::size_t end) {
             std::uint32_t guess = no_vertex;
-            for (std::size_t n = begin * row; n < end * row; ++n) is_sample[n] = is_near(place(n), shell, guess);
+            for (std::size_t n = begin * row; n < end * row; ++n)
+                is_sample[n] = is_near(place(n), shell, guess);
         });
         if (status != Status::ok) return status;
         std::vector<std::uint32_t> number(is_sample.size(), no_vertex);

@@ -59,9 +59,10 @@ public:
             if (options_.first_by_landmarks && n < 2) set_data(data);
             WrapStep step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
-            Status status = solve(list[n], data, running_.subtask(double(n) / double(list.size()),
-                                                                  double(n + 1) / double(list.size())),
-                                  matches, pose, step);
+            Status status =
+                solve(list[n], data,
+                      running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size())),
+                      matches, pose, step);
             step.residual = matches.rms();
             if (status == Status::ok) status = guard(good, pose, step);
             if (status != Status::ok) {
@@ -188,8 +189,7 @@ private:
             basis_.add_ridge(sum_, is_unknown_, ridge * mean);
             for (const std::uint32_t i : unknowns_) sum_.add_entry(i, i, proximity);
             if (!factors_.factor(sum_)) return Status::pose_not_determined;
-            if (!iterate(stiffness, data, proximity, running, matches, pose, step))
-                return Status::cancelled;
+            if (!iterate(stiffness, data, proximity, running, matches, pose, step)) return Status::cancelled;
             bool is_low = false;
             const auto least = least_stretches(sample_rows_, pose);
             for (std::size_t s = 0; s < least.size(); ++s) {
@@ -217,9 +217,9 @@ private:
             matches.find(places_, normals_, n % 5 == 0);
             std::fill(right.begin(), right.end(), Point{});
             for (std::size_t k = 0; k < matched_.size(); ++k)
-                vertex_rows_.add(matched_[k],
-                                 (data / double(matched_.size())) * (places_[matched_[k]] + matches.pulls()[k]),
-                                 right);
+                vertex_rows_.add(
+                    matched_[k],
+                    (data / double(matched_.size())) * (places_[matched_[k]] + matches.pulls()[k]), right);
             for (std::size_t k = 0; k < guard_rows_.size(); ++k) {
                 const Point x = guard_rows_.product(k, pose);
                 const Point pull = matches.guard_pull(k, x, normals_[scene_.guarded[k].vertex]);
@@ -326,12 +326,10 @@ private:
         constexpr std::size_t batch = 1024;
         for (std::size_t first = 0; first < points.size(); first += batch) {
             const std::size_t count = (std::min)(batch, points.size() - first);
-            const auto before = points.jacobians.empty()
-                                    ? std::span<const LinearMap<double, 3>>{}
-                                    : std::span(points.jacobians).subspan(first, count);
+            const auto before = points.jacobians.empty() ? std::span<const LinearMap<double, 3>>{}
+                                                         : std::span(points.jacobians).subspan(first, count);
             Rows rows;
-            const Status status =
-                basis_.gradients(std::span(points.now).subspan(first, count), before, rows);
+            const Status status = basis_.gradients(std::span(points.now).subspan(first, count), before, rows);
             if (status != Status::ok) return status;
             for (std::size_t n = 0; n < count; ++n) jacobians.push_back(jacobian_of(rows, n, pose));
         }
@@ -362,8 +360,9 @@ private:
 
         std::vector<double> limits = least_stretches(check_rows_, good);
         for (double& limit : limits)
-            limit = limit >= options_.floor ? options_.floor
-                                            : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
+            limit = limit >= options_.floor
+                        ? options_.floor
+                        : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
         Rows weights;
         const Status status = basis_.weights(checks_.now, weights);
         if (status != Status::ok) return status;
@@ -376,7 +375,8 @@ private:
                 if (!(least[n] < limits[n])) continue;
                 ++low;
                 double largest = 0;
-                weights.for_each(n, [&](std::size_t /*i*/, double w) { largest = (std::max)(largest, std::fabs(w)); });
+                weights.for_each(
+                    n, [&](std::size_t /*i*/, double w) { largest = (std::max)(largest, std::fabs(w)); });
                 weights.for_each(n, [&](std::size_t i, double w) {
                     if (largest > 0) pulled[i] = (std::max)(pulled[i], std::fabs(w) / largest);
                 });

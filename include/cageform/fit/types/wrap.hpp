@@ -40,10 +40,10 @@ struct WrapOptions {
     /// Spans of the finest lattice along the target's height: 6, 12, 24 … The stages double them from 6 on.
     /// With a cage, the lattices begin at 12, and 0 fits the cage alone.
     unsigned finest = 24;
-    double least_stiffness = 1e-7;    ///< the stages end at this λ; 1e-5 suits scans with noise
-    std::vector<WrapStage> stages{};  ///< replaces the stages of `finest` and `least_stiffness`
-    double floor = 0.1;               ///< lower bound of the map's least singular value, relative to the source
-    double residual = 0;              ///< ends the search below this 95th percentile, relative to the height
+    double least_stiffness = 1e-7;   ///< the stages end at this λ; 1e-5 suits scans with noise
+    std::vector<WrapStage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
+    double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
+    double residual = 0; ///< ends the search below this 95th percentile, relative to the height
 };
 
 /// Why a search ended.
@@ -76,7 +76,7 @@ struct WrapReport {
     SurfaceDistance start;     ///< from the aligned source to the target
     SurfaceDistance to_target; ///< from the vertices of the wrapped source to the target
     SurfaceDistance to_source; ///< from the vertices of the target to the wrapped source
-    double noise = 0;          ///< standard deviation of the target's vertices from quadric fits; below 1e-3: 0
+    double noise = 0; ///< standard deviation of the target's vertices from quadric fits; below 1e-3: 0
 
     double unmatched_source = 0, unmatched_target = 0; ///< share of the vertices without a match
     double miss = 0;                                   ///< the largest distance of a landmark from its place
