@@ -91,7 +91,8 @@ private:
         return needs;
     }
     /// Spreads moves u over the mesh: the field x with the least Σ d (p |x − u|² + q |x|²) + Σ |x − y|². The
-    /// last sum is over edges. The other end of an edge has y; d is the degree of a vertex; p = 20 where a move is needed, else 0.
+    /// last sum is over edges, whose other ends have y; d is the degree of a vertex; p = 20 where a move is
+    /// needed, else 0.
     void spread(const std::vector<Need>& needs, std::vector<Point>& moves) const {
         constexpr double pull = 20, rest = 0.02;
         LeastSquares equations(moves.size(), 3, 0);
