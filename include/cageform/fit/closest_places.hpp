@@ -69,7 +69,7 @@ public:
                 best.face = face;
                 best.weights = weights;
             }
-            return least;
+            return detail::with_ties(least);
         };
         if (guess != no_vertex) (void)visit(guess);
         tree_.for_each_near(q, least, [&](std::uint32_t n) { return visit(tree_faces_[n]); });

@@ -37,6 +37,12 @@ inline Vec<double, 6> with_normal(const Vec<double, 3>& p, const Vec<double, 3>&
     return {p[0], p[1], p[2], kappa * n[0], kappa * n[1], kappa * n[2]};
 }
 
+/// Returns a radius of search slightly above a squared distance. So rounding of the distances of boxes does
+/// not exclude items at the same distance, and the result does not depend on the order of the search.
+inline double with_ties(double distance2) noexcept {
+    return (1 + 1e-12) * distance2;
+}
+
 /// Returns a vector of length 1, or zero.
 inline Vec<double, 3> unit_or_zero(const Vec<double, 3>& v) noexcept {
     const double square = dot(v, v);

@@ -59,7 +59,7 @@ public:
                     least = square;
                     best = n;
                 }
-                return least;
+                return with_ties(least);
             };
             if (guess != no_vertex) (void)visit(guess);
             tree.for_each_near(q, least, visit);
