@@ -20,13 +20,15 @@ set(allowed_exchange core clip animate)
 set(allowed_enclose core parallel cage grid)
 set(allowed_fields core parallel cage grid)
 set(allowed_skeleton ${run_time} parallel cage binding)
-set(allowed_c ${allowed_binding} binding animate enclose skeleton)
+set(allowed_fit ${allowed_binding} binding)
+set(allowed_c ${allowed_binding} binding animate enclose skeleton fit)
 # Headers that are not of the C++ standard, by room.
 set(foreign_core sys/mman.h emmintrin.h immintrin.h)
 set(foreign_adapt Eigen/ glm/)
 set(foreign_binding Eigen/)
 set(foreign_fields Eigen/)
 set(foreign_skeleton Eigen/)
+set(foreign_fit Eigen/)
 # Standard headers that preprocess to 27,000 lines or more. Run-time headers must not include them.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 

@@ -64,6 +64,9 @@ public:
     /// Returns the Greville abscissa of control point i of an axis, its position at rest, in [0, 1].
     double greville(std::size_t axis, std::size_t i) const noexcept { return axes_[axis].greville(i); }
 
+    /// Returns the knots of an axis in [0, 1]; #points + degree + 1.
+    std::span<const double> knots(std::size_t axis) const noexcept { return axes_[axis].knots(); }
+
     /// Returns the control points within `layers` layers of a face of the box, ascending. If poses leave them
     /// at rest, displacements vanish at the faces to order `layers`.
     std::vector<std::uint32_t> frozen_handles(std::size_t layers) const {

@@ -145,7 +145,9 @@ namespace cageform::inline CAGEFORM_ABI {
     X(frames_do_not_match, "a frame has another number of vertices than the rest")                \
     X(frame_not_finite, "a coordinate of a frame is not a finite number, or too large")           \
     X(bones_not_supported, "a skeleton needs a number of bones or a maximum distance")            \
-    X(influences_not_supported, "a vertex of a skeleton has 1 to 8 weights")
+    X(influences_not_supported, "a vertex of a skeleton has 1 to 8 weights")                      \
+    /* fit/ */                                                                                    \
+    X(fit_not_reached, "less than half of the source or of the target found a match")
 // clang-format on
 
 enum class [[nodiscard]] Status : std::uint8_t {

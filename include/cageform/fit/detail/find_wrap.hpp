@@ -1,0 +1,29 @@
+// Declares the implementation of `wrap`, in double.
+#pragma once
+
+#include <cageform/core/result.hpp>
+#include <cageform/fit/detail/wrap_cage.hpp>
+#include <cageform/fit/types/wrap.hpp>
+#include <cageform/parallel/running.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The cage of a wrap, in the space of the source.
+struct WrapCageInput {
+    std::vector<Vec<double, 3>> rest;
+    std::vector<char> is_point;  ///< #handles
+    WrapCage::Evaluate evaluate; ///< weights, or derivatives along the axes of the source
+};
+
+/// Finds a wrap.
+///
+///   cage  null for a lattice alone
+template <class T>
+Status find_wrap(const SurfaceMesh& source, const SurfaceMesh& target, const WrapOptions& options,
+                 const WrapCageInput* cage, const Running& running, Result<Wrap<T>, WrapReport>& result);
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/fit/detail/find_wrap.impl.hpp>
+#endif

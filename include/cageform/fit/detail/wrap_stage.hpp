@@ -1,0 +1,423 @@
+// One stage of a wrap: the pose of one basis, a lattice or the cage, for stiffnesses in descending order.
+//
+// With handles p, weights w, vertices y = Σ w p of the source, and Jacobians J of the map at samples, the
+// energy is
+//
+//     1/N Σ ρ [(n·(y − q))² + 0.1 |y − q|²]     matches q of both directions (wrap_matches.hpp)
+//     + λ Σ a |J − R|²                          as rigid as possible: R the nearest rotation, Σ a = 1
+//     + λ ℓ²/S Σ |J − J'|²/|s − s'|²            neighbouring samples, ℓ = 0.1
+//     + 0.3/K Σ max(0, n·(q − x))²              guarded followers x
+//     + μ Σ m |x − t|²                          landmarks
+//     + r Σ (second differences)²               of a lattice
+//
+// in units of the target's height. Each pull is written as a place z = y + u with the mean u of its weighted
+// matches over max(1, Σρ), so |y − z|² majorises the first sum with a constant matrix. The matrix is factored
+// once for each λ. Iterations alternate matches and rotations with a solve, and are accelerated (Anderson).
+#pragma once
+
+#include <cageform/fit/detail/wrap_matches.hpp>
+#include <cageform/pose/detail/anderson.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+struct WrapStageOptions {
+    WrapOptions::Stage stage;
+    double floor = 0.1, residual = 0;
+    double noise = 0; ///< of the target; 0: unknown or low
+    bool first_by_landmarks = false, guards_followers = true, is_last = false;
+    const std::vector<char>* free_handles = nullptr; ///< #handles: which may move; null: all
+    std::size_t vertices = 0; ///< number of vertices of the source that are matched; 0: all
+};
+
+template <class Basis>
+class WrapStageSolver {
+    using Point = Vec<double, 3>;
+    using Rows = typename Basis::Rows;
+    using Matrix = typename Basis::Matrix;
+    static constexpr double smoothing = 0.01; // ℓ²
+    static constexpr double guard_weight = 0.3;
+
+public:
+    WrapStageSolver(WrapScene& scene, const Basis& basis, const WrapStageOptions& options,
+                    const Running& running)
+        : scene_(scene)
+        , basis_(basis)
+        , options_(options)
+        , running_(running)
+        , data_(basis.matrix({}))
+        , rigid_(data_)
+        , sum_(data_) {}
+
+    /// Improves the pose (all handles of the basis). If cancelled, the pose is that of the last stiffness.
+    /// Throws std::bad_alloc.
+    Status run(std::vector<Point>& pose, WrapReport& report, WrapReport::End& ended) {
+        if (const Status status = prepare(pose); status != Status::ok) return status;
+        WrapMatches matches(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
+        std::vector<double> list = options_.stage.stiffness;
+        if (options_.first_by_landmarks && !list.empty()) list.insert(list.begin(), list.front());
+        for (std::size_t n = 0; n < list.size(); ++n) {
+            const double data = options_.first_by_landmarks && n == 0 ? 1e-3 : 1;
+            if (options_.first_by_landmarks && n < 2) set_data(data);
+            WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
+            const std::vector<Point> good = pose;
+            Status status =
+                solve(list[n], data,
+                      running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size())),
+                      matches, pose, step);
+            step.residual = matches.rms();
+            if (status == Status::ok) status = guard(good, pose, step);
+            if (status != Status::ok) {
+                pose = good;
+                return status;
+            }
+            move_source(pose);
+            report.steps.push_back(step);
+            report.unmatched_source = matches.unmatched_source();
+            report.unmatched_target = matches.unmatched_target();
+            if (step.kept < 0.5) {
+                ended = WrapReport::End::fold;
+                break;
+            }
+            if (options_.noise > 0 && matches.back_residual(places_, normals_) <= options_.noise) {
+                ended = WrapReport::End::noise;
+                break;
+            }
+            if (options_.residual > 0 && options_.is_last &&
+                matches.upper_residual(places_) < options_.residual) {
+                ended = WrapReport::End::residual;
+                break;
+            }
+        }
+        return Status::ok;
+    }
+
+    /// Applies the pose to all points of the scene, and its Jacobian to theirs.
+    Status finish(const std::vector<Point>& pose) {
+        for (MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.samples, &scene_.marks}) {
+            std::vector<LinearMap<double, 3>> jacobians;
+            if (const Status status = jacobians_of(*points, pose, jacobians); status != Status::ok)
+                return status;
+            Rows rows;
+            if (const Status status = basis_.weights(points->now, rows); status != Status::ok) return status;
+            for (std::size_t i = 0; i < points->size(); ++i) points->now[i] = rows.product(i, pose);
+            points->jacobians = std::move(jacobians);
+        }
+        return Status::ok;
+    }
+
+private:
+    Status prepare(const std::vector<Point>& pose) {
+        const std::size_t count = scene_.source.size();
+        matched_ = shuffled(count);
+        if (options_.vertices != 0 && options_.vertices < count) matched_.resize(options_.vertices);
+        std::sort(matched_.begin(), matched_.end());
+        std::vector<Point> guarded;
+        for (std::size_t n = 0; options_.guards_followers && n < scene_.guarded.size(); ++n)
+            guarded.push_back(scene_.followers.now[scene_.guarded[n].follower]);
+        Status status = basis_.weights(scene_.source.now, vertex_rows_);
+        if (status == Status::ok) status = basis_.weights(guarded, guard_rows_);
+        if (status == Status::ok) status = basis_.weights(scene_.marks.now, mark_rows_);
+        if (status == Status::ok)
+            status = basis_.gradients(scene_.samples.now, scene_.samples.jacobians, sample_rows_);
+        if (status != Status::ok) return status;
+        is_unknown_.assign(basis_.size(), 0);
+        for (const Rows* rows : {&vertex_rows_, &guard_rows_, &mark_rows_, &sample_rows_}) {
+            for (std::size_t n = 0; n < rows->size(); ++n)
+                rows->for_each(n, [&](std::size_t i, double /*w*/) { is_unknown_[i] = 1; });
+        }
+        for (std::size_t i = 0; i < basis_.size(); ++i) {
+            if (options_.free_handles != nullptr && (*options_.free_handles)[i] == 0) is_unknown_[i] = 0;
+            if (is_unknown_[i] != 0) unknowns_.push_back(std::uint32_t(i));
+        }
+        if (unknowns_.empty()) return Status::samples_missing;
+        rigidity_.assign(scene_.samples.size(), 1);
+        turns_.assign(block_count<double>(scene_.samples.size()) * 9, {});
+        data_ = basis_.matrix(unknowns_);
+        rigid_ = data_;
+        sum_ = data_;
+        set_data(1);
+        set_rigid();
+        move_source(pose);
+        return Status::ok;
+    }
+
+    void move_source(const std::vector<Point>& pose) {
+        places_.resize(vertex_rows_.size());
+        for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = vertex_rows_.product(i, pose);
+        normals_ = vertex_normals(places_, scene_.source_faces);
+    }
+
+    /// Sets the matrix of the terms that do not depend on λ.
+    void set_data(double data) {
+        data_.clear();
+        for (const std::uint32_t i : matched_)
+            data_.add_product(vertex_rows_, i, i, data / double(matched_.size()));
+        for (std::size_t n = 0; n < guard_rows_.size(); ++n)
+            data_.add_product(guard_rows_, n, n, guard_weight / double(guard_rows_.size()));
+        for (std::size_t n = 0; n < mark_rows_.size(); ++n)
+            data_.add_product(mark_rows_, n, n, mark_weight(n));
+    }
+    double mark_weight(std::size_t n) const noexcept {
+        return (options_.is_last ? 0.1 : 1) * scene_.mark_weights[n];
+    }
+    /// Sets the matrix of the rigidity and smoothness of the samples, for λ = 1.
+    void set_rigid() {
+        rigid_.clear();
+        const double share = 1 / double(scene_.samples.size());
+        std::vector<double> own(scene_.samples.size());
+        for (std::size_t s = 0; s < own.size(); ++s) own[s] = share * rigidity_[s];
+        for (const auto& [a, b] : scene_.neighbours) {
+            const auto apart = scene_.samples.rest[a] - scene_.samples.rest[b];
+            const double weight = smoothing * share / dot(apart, apart);
+            own[a] += weight;
+            own[b] += weight;
+            for (std::size_t k = 0; k < 3; ++k) {
+                rigid_.add_product(sample_rows_, 3 * a + k, 3 * b + k, -weight);
+                rigid_.add_product(sample_rows_, 3 * b + k, 3 * a + k, -weight);
+            }
+        }
+        for (std::size_t s = 0; s < own.size(); ++s) {
+            for (std::size_t k = 0; k < 3; ++k)
+                rigid_.add_product(sample_rows_, 3 * s + k, 3 * s + k, own[s]);
+        }
+    }
+
+    Status solve(double stiffness, double data, const Running& running, WrapMatches& matches,
+                 std::vector<Point>& pose, WrapReport::Step& step) {
+        constexpr int attempts = 3;
+        for (int attempt = 0; attempt < attempts; ++attempt) {
+            sum_.set_sum(data_, stiffness, rigid_);
+            const double mean = sum_.trace() / double(unknowns_.size());
+            const double ridge = 1e-5 * stiffness / (stiffness + 1e-4), proximity = 1e-7 * mean;
+            basis_.add_ridge(sum_, is_unknown_, ridge * mean);
+            for (const std::uint32_t i : unknowns_) sum_.add_entry(i, i, proximity);
+            if (!factors_.factor(sum_)) return Status::pose_not_determined;
+            if (!iterate(stiffness, data, proximity, running, matches, pose, step)) return Status::cancelled;
+            bool is_low = false;
+            const auto least = least_stretches(sample_rows_, pose);
+            for (std::size_t s = 0; s < least.size(); ++s) {
+                if (!(least[s] < options_.floor)) continue;
+                is_low = true;
+                rigidity_[s] *= 10;
+            }
+            if (!is_low) break;
+            set_rigid();
+        }
+        return Status::ok;
+    }
+
+    /// Returns false if cancelled.
+    bool iterate(double stiffness, double data, double proximity, const Running& running,
+                 WrapMatches& matches, std::vector<Point>& pose, WrapReport::Step& step) {
+        constexpr int most = 25;
+        constexpr double settled = 1e-4;
+        const std::size_t blocks = block_count<double>(3 * unknowns_.size());
+        Anderson anderson;
+        anderson.reset(blocks, 5);
+        std::vector<Lanes<double>> from(blocks), to(blocks);
+        std::vector<Point> right(basis_.size()), solution(unknowns_.size());
+        for (int n = 0; n < most; ++n) {
+            matches.find(places_, normals_, n % 5 == 0);
+            std::fill(right.begin(), right.end(), Point{});
+            for (std::size_t k = 0; k < matched_.size(); ++k)
+                vertex_rows_.add(
+                    matched_[k],
+                    (data / double(matched_.size())) * (places_[matched_[k]] + matches.pulls()[k]), right);
+            for (std::size_t k = 0; k < guard_rows_.size(); ++k) {
+                const Point x = guard_rows_.product(k, pose);
+                const Point pull = matches.guard_pull(k, x, normals_[scene_.guarded[k].vertex]);
+                guard_rows_.add(k, (guard_weight / double(guard_rows_.size())) * (x + pull), right);
+            }
+            for (std::size_t k = 0; k < mark_rows_.size(); ++k)
+                mark_rows_.add(k, mark_weight(k) * scene_.mark_targets[k], right);
+            add_rotations(stiffness, pose, right);
+            sum_.subtract_fixed(pose, right);
+            for (std::size_t u = 0; u < unknowns_.size(); ++u)
+                solution[u] = right[unknowns_[u]] + proximity * pose[unknowns_[u]];
+            factors_.solve(solution);
+
+            double largest = 0;
+            for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::size_t at = 3 * u + k;
+                    from[at / lane_count<double>][at % lane_count<double>] = pose[unknowns_[u]][k];
+                    to[at / lane_count<double>][at % lane_count<double>] = solution[u][k];
+                    largest = (std::max)(largest, std::fabs(solution[u][k] - pose[unknowns_[u]][k]));
+                }
+            }
+            anderson.step(from.data(), to.data());
+            double accelerated = 0;
+            const auto at = [](const std::vector<Lanes<double>>& x, std::size_t i) {
+                return x[i / lane_count<double>][i % lane_count<double>];
+            };
+            for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    accelerated =
+                        (std::max)(accelerated, std::fabs(at(from, 3 * u + k) - pose[unknowns_[u]][k]));
+            }
+            const auto& next = accelerated < 20 * largest + 1e-12 ? from : to;
+            for (std::size_t u = 0; u < unknowns_.size(); ++u)
+                pose[unknowns_[u]] = {at(next, 3 * u), at(next, 3 * u + 1), at(next, 3 * u + 2)};
+
+            const std::vector<Point> before = places_;
+            move_source(pose);
+            double moved = 0;
+            for (std::size_t i = 0; i < places_.size(); ++i)
+                moved += dot(places_[i] - before[i], places_[i] - before[i]);
+            ++step.iterations;
+            if (!running.keep_going(double(step.iterations) / double(step.iterations + most))) return false;
+            if (moved < settled * settled * double(places_.size())) break;
+        }
+        return true;
+    }
+
+    /// Adds λ a Σ_k g_k R_k of all samples to the right-hand side.
+    void add_rotations(double stiffness, const std::vector<Point>& pose, std::vector<Point>& right) {
+        const std::size_t count = scene_.samples.size();
+        std::vector<Lanes<double>> jacobians(turns_.size());
+        in_parallel(running_, turns_.size() / 9, 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) {
+                LinearMap<DoubleLanes, 3> j, turn;
+                for (std::size_t lane = 0; lane < lane_count<double>; ++lane) {
+                    const std::size_t s = (std::min)(b * lane_count<double> + lane, count - 1);
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        const Point column = sample_rows_.product(3 * s + c, pose);
+                        for (std::size_t r = 0; r < 3; ++r) jacobians[9 * b + 3 * r + c][lane] = column[r];
+                    }
+                }
+                for (std::size_t n = 0; n < 9; ++n) {
+                    j.at[n / 3][n % 3] = DoubleLanes::load(jacobians[9 * b + n]);
+                    turn.at[n / 3][n % 3] = DoubleLanes::load(turns_[9 * b + n]);
+                }
+                nearest_rotation(j, turn);
+                for (std::size_t n = 0; n < 9; ++n) turn.at[n / 3][n % 3].store(turns_[9 * b + n]);
+            }
+        });
+        for (std::size_t s = 0; s < count; ++s) {
+            const Lanes<double>* const turn = &turns_[s / lane_count<double> * 9];
+            const std::size_t lane = s % lane_count<double>;
+            const double weight = stiffness * rigidity_[s] / double(count);
+            for (std::size_t c = 0; c < 3; ++c) {
+                Point column{turn[c][lane], turn[3 + c][lane], turn[6 + c][lane]};
+                column[c] += 1;
+                sample_rows_.add(3 * s + c, weight * column, right);
+            }
+        }
+    }
+
+    static LinearMap<double, 3> jacobian_of(const Rows& rows, std::size_t n,
+                                            const std::vector<Point>& pose) noexcept {
+        LinearMap<double, 3> j;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Point column = rows.product(3 * n + c, pose);
+            for (std::size_t r = 0; r < 3; ++r) j.at[r][c] = column[r];
+        }
+        return j;
+    }
+    /// Returns the least singular values of the Jacobians, negative where the map folds.
+    std::vector<double> least_stretches(const Rows& rows, const std::vector<Point>& pose) const {
+        std::vector<double> least(rows.size() / 3);
+        in_parallel(running_, least.size(), 256, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) {
+                const auto j = jacobian_of(rows, n, pose);
+                least[n] = std::copysign(std::sqrt(squared_stretches(j)[0]), determinant(j));
+            }
+        });
+        return least;
+    }
+    Status jacobians_of(const MovedPoints& points, const std::vector<Point>& pose,
+                        std::vector<LinearMap<double, 3>>& jacobians) const {
+        constexpr std::size_t batch = 1024;
+        for (std::size_t first = 0; first < points.size(); first += batch) {
+            const std::size_t count = (std::min)(batch, points.size() - first);
+            const auto before = points.jacobians.empty() ? std::span<const LinearMap<double, 3>>{}
+                                                         : std::span(points.jacobians).subspan(first, count);
+            Rows rows;
+            const Status status = basis_.gradients(std::span(points.now).subspan(first, count), before, rows);
+            if (status != Status::ok) return status;
+            for (std::size_t n = 0; n < count; ++n) jacobians.push_back(jacobian_of(rows, n, pose));
+        }
+        return Status::ok;
+    }
+
+    /// Moves the handles near places whose least singular value is below the floor back towards their last
+    /// good positions, without a new solve.
+    ///
+    ///   good  the pose before the step, which the places keep to at least half of their stretches
+    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapReport::Step& step) {
+        constexpr int rounds = 80;
+        constexpr double back = 0.3;
+        if (check_rows_.size() == 0) {
+            for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers}) {
+                checks_.now.insert(checks_.now.end(), points->now.begin(), points->now.end());
+                checks_.jacobians.insert(checks_.jacobians.end(), points->jacobians.begin(),
+                                         points->jacobians.end());
+            }
+            const Status status = basis_.gradients(checks_.now, checks_.jacobians, check_rows_);
+            if (status != Status::ok) return status;
+        }
+        std::vector<double> least = least_stretches(check_rows_, pose);
+        const auto is_low = [&](std::size_t n) { return least[n] < options_.floor; };
+        std::vector<std::size_t> numbers(least.size());
+        std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+        if (std::none_of(numbers.begin(), numbers.end(), is_low)) return Status::ok;
+
+        std::vector<double> limits = least_stretches(check_rows_, good);
+        for (double& limit : limits)
+            limit = limit >= options_.floor
+                        ? options_.floor
+                        : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
+        Rows weights;
+        const Status status = basis_.weights(checks_.now, weights);
+        if (status != Status::ok) return status;
+        std::vector<double> kept(basis_.size(), 1), pulled(basis_.size());
+        const std::vector<Point> wanted = pose;
+        for (int round = 0;; ++round) {
+            std::size_t low = 0;
+            std::fill(pulled.begin(), pulled.end(), 0);
+            for (std::size_t n = 0; n < least.size(); ++n) {
+                if (!(least[n] < limits[n])) continue;
+                ++low;
+                double largest = 0;
+                weights.for_each(
+                    n, [&](std::size_t /*i*/, double w) { largest = (std::max)(largest, std::fabs(w)); });
+                weights.for_each(n, [&](std::size_t i, double w) {
+                    if (largest > 0) pulled[i] = (std::max)(pulled[i], std::fabs(w) / largest);
+                });
+            }
+            if (round == 0) step.held = low;
+            if (low == 0) break;
+            if (round == rounds) {
+                std::fill(kept.begin(), kept.end(), 0);
+                pose = good;
+                break;
+            }
+            for (const std::uint32_t i : unknowns_) {
+                kept[i] *= 1 - back * std::cbrt(pulled[i]);
+                pose[i] = good[i] + kept[i] * (wanted[i] - good[i]);
+            }
+            least = least_stretches(check_rows_, pose);
+        }
+        step.kept = 0;
+        for (const std::uint32_t i : unknowns_) step.kept += kept[i] / double(unknowns_.size());
+        return Status::ok;
+    }
+
+    WrapScene& scene_;
+    const Basis& basis_;
+    const WrapStageOptions& options_;
+    const Running& running_;
+    std::vector<std::uint32_t> matched_; ///< vertices of the source that are matched
+    Rows vertex_rows_, guard_rows_, mark_rows_, sample_rows_;
+    MovedPoints checks_; ///< the places of the fold guard: samples, vertices of the source, followers
+    Rows check_rows_;    ///< their derivatives
+    std::vector<char> is_unknown_;        ///< #handles
+    std::vector<std::uint32_t> unknowns_; ///< handles with a row
+    std::vector<double> rigidity_;        ///< #samples times the weights a
+    std::vector<Lanes<double>> turns_;    ///< R − 1, nine rows per block of samples
+    Matrix data_, rigid_, sum_;           ///< D, R and D + λ R
+    typename Basis::Factors factors_;
+    std::vector<Point> places_, normals_; ///< of all vertices of the moved source
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
