@@ -1,6 +1,7 @@
 // The implementation of `wrap`: checks, alignment, samples, stages, report.
 #pragma once
 
+#include <cageform/fit/detail/check_surface.hpp>
 #include <cageform/fit/detail/find_wrap.hpp>
 #include <cageform/fit/detail/target_noise.hpp>
 #include <cageform/fit/detail/wrap_frame.hpp>
