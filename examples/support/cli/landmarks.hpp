@@ -1,0 +1,56 @@
+#pragma once
+
+// Landmarks: points of a source and their places on a target, from command line words and CSV files.
+
+#include "cli/command_line.hpp"
+#include "files/mesh_file.hpp"
+
+#include <cageform/fit/types/wrap.hpp>
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_support {
+
+/// Help text on landmarks.
+inline constexpr const char* landmarks_format =
+    "A landmark is a point of the source and its place on the target. Each is x,y,z, or the\n"
+    "number of a vertex of its file, from 0:\n"
+    "\n"
+    "    --landmark 881:0,4.37,0.3      vertex 881 of the source, and a position\n"
+    "    --landmark 881:412             vertex 412 of the target\n"
+    "\n"
+    "A CSV file has one landmark per line: VERTEX,VERTEX, or VERTEX,x,y,z, or x,y,z,x,y,z;\n"
+    "then optionally a weight, 1 by default. An empty line, a line of words at the top and\n"
+    "lines that begin with # are skipped.\n";
+
+/// Landmarks, and a name of each for messages: the option, or file and line.
+struct Landmarks {
+    std::vector<cageform::Landmark> marks;
+    std::vector<std::string> names; ///< #marks
+};
+
+/// The vertices that landmarks may name.
+struct LandmarkVertices {
+    std::span<const Point3> source, target;
+};
+
+/// Parses SOURCE:TARGET, and appends the landmark. Returns the error; empty on success.
+std::string parse_landmark(std::string_view word, const LandmarkVertices& vertices, Landmarks& landmarks);
+
+/// Parses a CSV file, and appends its landmarks. Returns the error with the line; empty on success.
+std::string parse_landmarks(std::string_view text, const std::string& name, const LandmarkVertices& vertices,
+                            Landmarks& landmarks);
+
+/// The options --landmark and --landmarks.
+struct LandmarkChoice {
+    std::vector<std::pair<std::string, bool>> given; ///< words; files if true, in the order of the options
+
+    void add_options(CommandLine& line);
+    /// Parses all; fails as the functions above, or if a file cannot be read.
+    Expected<Landmarks> read(const LandmarkVertices& vertices) const;
+};
+
+} // namespace cageform_support
