@@ -95,40 +95,25 @@ private:
         for (std::size_t k = 0; k < 3; ++k) to.columns[k] = vec_cast<T>(from.columns[k]);
         return to;
     }
-    Status refuse(Status status, std::size_t culprit, bool of_target) noexcept {
+    Status refuse(Status status, std::size_t culprit) noexcept {
         report_.culprit = culprit;
-        report_.of_target = of_target;
         return status;
     }
-    Status check_mesh(const SurfaceMesh& mesh, bool of_target) {
-        if (mesh.status() != Status::ok) return mesh.status();
-        if (mesh.vertices().empty() || mesh.faces().empty())
-            return refuse(Status::figure_empty, WrapReport::none, of_target);
-        for (std::size_t i = 0; i < mesh.vertices().size(); ++i) {
-            if (!is_finite(mesh.vertices()[i])) return refuse(Status::figure_not_finite, i, of_target);
-        }
-        bool has_area = false;
-        for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
-            const auto& face = mesh.faces()[f];
-            if (has_missing_vertex(face)) return refuse(Status::index_out_of_range, f, of_target);
-            const auto v = mesh.vertices();
-            const auto n = cross(v[face[1]] - v[face[0]], v[face[2]] - v[face[0]]);
-            has_area = has_area || dot(n, n) > 0;
-            if (!is_finite(n)) return refuse(Status::figure_not_finite, face[0], of_target);
-        }
-        return has_area ? Status::ok : refuse(Status::figure_has_no_size, WrapReport::none, of_target);
-    }
     Status check() {
-        if (const Status status = check_mesh(source_, false); status != Status::ok) return status;
-        if (const Status status = check_mesh(target_, true); status != Status::ok) return status;
+        for (const bool of_target : {false, true}) {
+            report_.of_target = of_target;
+            const Status status = check_surface(of_target ? target_ : source_, report_.culprit);
+            if (status != Status::ok) return status;
+        }
+        report_.of_target = false;
         for (std::size_t n = 0; n < options_.landmarks.size(); ++n) {
             const Landmark& mark = options_.landmarks[n];
             if (!is_finite(mark.from) || !is_finite(mark.to) || !is_finite(mark.weight))
-                return refuse(Status::value_not_finite, n, false);
-            if (!(mark.weight > 0)) return refuse(Status::weights_not_positive, n, false);
+                return refuse(Status::value_not_finite, n);
+            if (!(mark.weight > 0)) return refuse(Status::weights_not_positive, n);
         }
         for (std::size_t n = 0; n < options_.follow.size(); ++n) {
-            if (!is_finite(options_.follow[n])) return refuse(Status::value_not_finite, n, false);
+            if (!is_finite(options_.follow[n])) return refuse(Status::value_not_finite, n);
         }
         bool are_options_valid = options_.floor >= 0 && options_.floor < 1 && options_.residual >= 0;
         for (const WrapStage& stage : wrap_stages(options_, cage_ != nullptr)) {

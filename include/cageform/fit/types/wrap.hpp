@@ -67,7 +67,7 @@ struct WrapStep {
 
 struct WrapReport {
     Status status = Status::ok;
-    std::size_t culprit = none; ///< index of the vertex, face or landmark that was refused
+    std::size_t culprit = none; ///< index of the vertex, face, landmark or follower that was refused
     bool of_target = false;     ///< whether the culprit is of the target
     WrapEnd ended = WrapEnd::stages;
     double height = 0; ///< of the target, along the longest principal axis of the source
