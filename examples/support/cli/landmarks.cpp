@@ -2,6 +2,7 @@
 
 #include "cli/pins.hpp"
 #include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 namespace cageform_support {
 
@@ -67,34 +68,6 @@ std::string parse_landmarks(std::string_view text, const std::string& name, cons
         landmarks.names.push_back(name + ':' + std::to_string(number));
     }
     return landmarks.marks.size() > before ? "" : name + ": holds no landmarks";
-}
-
-void LandmarkChoice::add_options(CommandLine& line) {
-    line.add_text(
-            "--landmark", [this](const std::string& word) { given.emplace_back(word, false); },
-            "a point of the source and its place on the target, SOURCE:TARGET. Each is x,y,z or the number "
-            "of a vertex, from 0: 881:0,4.37,0.3. May be given several times")
-        .in_order();
-    line.add_text(
-            "--landmarks", [this](const std::string& path) { given.emplace_back(path, true); },
-            "a CSV file of landmarks, one per line: VERTEX,x,y,z or x,y,z,x,y,z or VERTEX,VERTEX")
-        .in_order();
-}
-
-Expected<Landmarks> LandmarkChoice::read(const LandmarkVertices& vertices) const {
-    Landmarks landmarks;
-    for (const auto& [word, is_file] : given) {
-        std::string why;
-        if (!is_file) {
-            why = parse_landmark(word, vertices, landmarks);
-        } else {
-            const auto text = read_text(word);
-            if (!text) return text.error();
-            why = parse_landmarks(*text, word, vertices, landmarks);
-        }
-        if (!why.empty()) return FileError{why};
-    }
-    return landmarks;
 }
 
 } // namespace cageform_support

@@ -2,7 +2,6 @@
 
 // Landmarks: points of a source and their places on a target, from command line words and CSV files.
 
-#include "cli/command_line.hpp"
 #include "files/mesh_file.hpp"
 
 #include <cageform/fit/types/wrap.hpp>
@@ -43,14 +42,5 @@ std::string parse_landmark(std::string_view word, const LandmarkVertices& vertic
 /// Parses a CSV file, and appends its landmarks. Returns the error with the line; empty on success.
 std::string parse_landmarks(std::string_view text, const std::string& name, const LandmarkVertices& vertices,
                             Landmarks& landmarks);
-
-/// The options --landmark and --landmarks.
-struct LandmarkChoice {
-    std::vector<std::pair<std::string, bool>> given; ///< words; files if true, in the order of the options
-
-    void add_options(CommandLine& line);
-    /// Parses all; fails as the functions above, or if a file cannot be read.
-    Expected<Landmarks> read(const LandmarkVertices& vertices) const;
-};
 
 } // namespace cageform_support

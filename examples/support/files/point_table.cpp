@@ -1,6 +1,7 @@
 #include "files/point_table.hpp"
 
 #include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <algorithm>
 #include <optional>
