@@ -57,6 +57,10 @@ public:
             status = run_stage(frame, stages, n, running.subtask(from, to));
             if (report_.ended != WrapEnd::stages) break;
         }
+        if (status == Status::ok && refines() && lattice_) {
+            report_.ended = WrapEnd::stages;
+            status = refine_contacts(running.subtask(0.95, 0.99));
+        }
         if (status != Status::ok && status != Status::cancelled) return status;
         measure();
         has_result_ = true;
@@ -145,8 +149,11 @@ private:
         report_.skipped_faces = scene_.target.skipped_faces();
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
-        const Status status = ShellSampler(scene_, source).run(spacing, shell, running);
+        GridSamples samples;
+        const Status status = sample_shell(scene_, source, spacing, shell, running, samples);
         if (status != Status::ok) return status;
+        scene_.samples.rest = std::move(samples.places);
+        scene_.neighbours = std::move(samples.neighbours);
         report_.samples = scene_.samples.rest.size();
         find_guarded(source);
         for (MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.samples, &scene_.marks})
@@ -199,14 +206,57 @@ private:
             lattice_pose_ = lattice_->rest();
         }
         while (lattice_->cell() > 1.01 / stages[n].cells) lattice_->refine(lattice_pose_);
-        return run_basis(*lattice_, options, lattice_pose_, running, options.is_last);
+        return run_basis(*lattice_, options, lattice_pose_, running, options.is_last && !refines());
+    }
+    bool refines() const noexcept { return options_.refine_contacts && cage_ == nullptr; }
+    /// Halves the cells of the lattice near vertices that are off the target, with finer samples there. All
+    /// other handles are held.
+    Status refine_contacts(const Running& running) {
+        constexpr double off = 0.002, reach = 0.04, spacing = 1.0 / 100;
+        WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice_->cell())), {1e-7}, 0.03},
+                                 options_.floor, 0, 0, false, true, true};
+        LatticeRows rows;
+        if (const Status status = lattice_->weights(scene_.source.now, rows); status != Status::ok)
+            return status;
+        std::vector<Point> places;
+        scene_.target.set_normal_length(0);
+        std::uint32_t guess = no_vertex;
+        for (std::size_t i = 0; i < scene_.source.size(); ++i) {
+            const Point moved = rows.product(i, lattice_pose_);
+            const ClosestPlace at = scene_.target.find(moved, {}, guess);
+            guess = at.face;
+            if (dot(moved - at.place, moved - at.place) > off * off) places.push_back(scene_.source.now[i]);
+        }
+        WrapStageSolver<WrapLattice> finisher(scene_, *lattice_, options, running);
+        if (places.empty()) return finisher.finish(lattice_pose_);
+        lattice_->refine(lattice_pose_);
+        const NearPoints near_places(places);
+        std::vector<char> is_free;
+        for (const Point& p : lattice_->rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
+        options.free_handles = &is_free;
+        GridSamples fine;
+        const auto box = bounds_of(std::span<const Point>(places)).widened(reach + 2 * lattice_->cell());
+        const double wide = reach + 2 * lattice_->cell();
+        const auto make_test = [&] { return [&](const Point& p) { return near_places.has(p, wide); }; };
+        Status status = sample_grid(box, spacing, make_test, running.subtask(0, 0.1), fine);
+        if (status != Status::ok) return status;
+        MovedPoints samples = std::exchange(scene_.samples, {std::move(fine.places), {}, {}});
+        auto neighbours = std::exchange(scene_.neighbours, std::move(fine.neighbours));
+        scene_.samples.start();
+        status = run_basis(*lattice_, options, lattice_pose_, running.subtask(0.1, 1), false);
+        scene_.samples = std::move(samples);
+        scene_.neighbours = std::move(neighbours);
+        if (status != Status::ok && status != Status::cancelled) return status;
+        const Status moved = finisher.finish(lattice_pose_);
+        return moved != Status::ok ? moved : status;
     }
     template <class Basis>
     Status run_basis(const Basis& basis, const WrapStageOptions& options, std::vector<Point>& pose,
                      const Running& running, bool is_finished) {
         WrapStageSolver<Basis> solver(scene_, basis, options, running);
         Status status = solver.run(pose, report_, report_.ended);
-        const bool ends = is_finished || status != Status::ok || report_.ended != WrapEnd::stages;
+        const bool ends = is_finished || status == Status::cancelled ||
+                          (report_.ended != WrapEnd::stages && !refines());
         if (ends && (status == Status::ok || status == Status::cancelled)) {
             const Status moved = solver.finish(pose);
             if (moved != Status::ok) return moved;
