@@ -198,8 +198,9 @@ int run_program(int argc, char** argv) {
                   "glTF: write skinned meshes without their skins; by default skins are kept, and their "
                   "joints follow");
     line.add("--picture", given.picture,
-             "also draw source, target, wrapped source, its distance from the target in colours, and the "
-             "followers, to a PNG file")
+             "also draw source, target, wrapped source, followers, and distances from the target in colours, "
+             "to a "
+             "PNG file")
         .ends_with({".png"});
     given.view.add_options(line);
     line.add_flag("--report", given.report,

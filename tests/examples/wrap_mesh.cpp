@@ -92,6 +92,24 @@ TEST_CASE("a file of landmarks has one per line, with an optional weight", "[wra
     CHECK(contains(refusal("x,y\n"), "pairs.csv: holds no landmarks"));
 }
 
+TEST_CASE("two files of points are landmarks, if their names are the same", "[wrap_mesh]") {
+    Landmarks landmarks;
+    const auto from = parsed("name,x,y,z\nknee,1,2,3\nheel,4,5,6\n"), to = parsed("knee,7,8,9\nheel, 0,0,1");
+    CHECK(add_landmarks(from, to, landmarks).empty());
+    REQUIRE(landmarks.marks.size() == 2);
+    CHECK(landmarks.marks[1].from == Point3{4, 5, 6});
+    CHECK(landmarks.marks[1].to == Point3{0, 0, 1});
+    CHECK(add_landmarks(parsed("1,2,3\n4,5,6\n"), parsed("7,8,9\n0,0,1\n"), landmarks).empty());
+    CHECK(landmarks.marks.size() == 4);
+    const std::string bone = ",,0,1,0,0,2,0,0,0,0\n", longer = ",,0,1,0,0,3,0,0,0,0\n";
+    CHECK(add_landmarks(parsed("hip" + bone), parsed("hip" + longer), landmarks).empty());
+    CHECK(landmarks.marks[5].to == Point3{0, 3, 0});
+    CHECK(contains(add_landmarks(from, parsed("knee,7,8,9\ntoe,0,0,1\n"), landmarks),
+                   "joints.csv, point 2 is \"heel\", and in joints.csv \"toe\""));
+    CHECK(contains(add_landmarks(from, parsed("knee,7,8,9\n"), landmarks),
+                   "joints.csv has 1 point, joints.csv has 2: landmarks are pairs"));
+}
+
 TEST_CASE("points of a CSV file move, and everything else stays", "[wrap_mesh]") {
     const std::string text =
         "\xef\xbb\xbf# joints\r\nname,radius,X,Y,Z,note\r\nhip, 0.1 ,1.50,+2,3e0,\"a, b\"\r\n"

@@ -19,16 +19,6 @@ cageform::SurfaceMesh surface_of(const WeldedMesh& mesh) {
 
 } // namespace
 
-std::string parse_file_pair(std::string_view word, std::string& in, std::string& out) {
-    const std::size_t colon = word.find(':');
-    if (colon == word.npos || colon == 0 || colon + 1 == word.size() ||
-        word.find(':', colon + 1) != word.npos)
-        return detail::quoted(word) + " is not IN:OUT, such as dress.obj:dress_on_target.obj";
-    in = word.substr(0, colon);
-    out = word.substr(colon + 1);
-    return {};
-}
-
 WrapSurfaces::WrapSurfaces(const WrapFigures& figures, double its_height)
     : target_mesh(surface_of(figures.target_surface))
     , source(figures.source_surface.places, figures.source_surface.triangles)

@@ -3,7 +3,6 @@
 // Files whose points follow a source that is wrapped onto a target: clothes, hair, joints, morph targets.
 
 #include "cli/wrap_choice.hpp"
-#include "files/point_table.hpp"
 
 #include <cageform/fit/push_out.hpp>
 
@@ -13,9 +12,6 @@
 #include <vector>
 
 namespace cageform_support {
-
-/// Splits IN:OUT. Returns the error; empty on success.
-std::string parse_file_pair(std::string_view word, std::string& in, std::string& out);
 
 /// The surfaces of a wrap, for distances of followers.
 struct WrapSurfaces {

@@ -33,6 +33,15 @@ std::string parse_row(Parts fields, const LandmarkVertices& vertices, cageform::
     return why;
 }
 
+/// The first column of a point's line; empty if that is the point.
+std::string_view name_of(const PointTable& table, std::size_t n) {
+    const std::string_view text = table.text;
+    const std::size_t number = table.numbers[n].begin[0];
+    const std::size_t begin = text.rfind('\n', number) + 1; // in the first line: 0
+    const std::size_t end = text.find(',', begin);
+    return number < end ? std::string_view() : detail::trim(text.substr(begin, end - begin));
+}
+
 } // namespace
 
 std::string parse_landmark(std::string_view word, const LandmarkVertices& vertices, Landmarks& landmarks) {
@@ -68,6 +77,22 @@ std::string parse_landmarks(std::string_view text, const std::string& name, cons
         landmarks.names.push_back(name + ':' + std::to_string(number));
     }
     return landmarks.marks.size() > before ? "" : name + ": holds no landmarks";
+}
+
+std::string add_landmarks(const PointTable& source, const PointTable& target, Landmarks& landmarks) {
+    if (source.points.size() != target.points.size())
+        return target.name + " has " + detail::counted(target.points.size(), "point") + ", " + source.name +
+               " has " + std::to_string(source.points.size()) + ": landmarks are pairs";
+    for (std::size_t n = 0; n < source.points.size(); ++n) {
+        const std::string_view name = name_of(source, n), other = name_of(target, n);
+        const std::string place = source.name + ", point " + std::to_string(n + 1);
+        if (name != other)
+            return place + " is " + detail::quoted(name) + ", and in " + target.name + ' ' +
+                   detail::quoted(other);
+        landmarks.marks.push_back({source.points[n], target.points[n]});
+        landmarks.names.push_back(place);
+    }
+    return {};
 }
 
 } // namespace cageform_support

@@ -54,6 +54,16 @@ void warn_of_outside(const WrapMap& map, const WrapFigures& figures) {
 
 } // namespace
 
+std::string parse_file_pair(std::string_view word, std::string& in, std::string& out) {
+    const std::size_t colon = word.find(':');
+    if (colon == word.npos || colon == 0 || colon + 1 == word.size() ||
+        word.find(':', colon + 1) != word.npos)
+        return detail::quoted(word) + " is not IN:OUT, such as dress.obj:dress_on_target.obj";
+    in = word.substr(0, colon);
+    out = word.substr(colon + 1);
+    return {};
+}
+
 void LandmarkChoice::add_options(CommandLine& line) {
     line.add_text(
             "--landmark", [this](const std::string& word) { given.emplace_back(word, false); },
@@ -62,16 +72,22 @@ void LandmarkChoice::add_options(CommandLine& line) {
         .in_order();
     line.add_text(
             "--landmarks", [this](const std::string& path) { given.emplace_back(path, true); },
-            "a CSV file of landmarks, one per line: VERTEX,x,y,z or x,y,z,x,y,z or VERTEX,VERTEX")
+            "a CSV file of landmarks, one per line: VERTEX,x,y,z or x,y,z,x,y,z or VERTEX,VERTEX; or two "
+            "files of points, SOURCE.csv:TARGET.csv")
         .in_order();
 }
 
 Expected<Landmarks> LandmarkChoice::read(const LandmarkVertices& vertices) const {
     Landmarks landmarks;
     for (const auto& [word, is_file] : given) {
-        std::string why;
+        std::string why, of_source, of_target;
         if (!is_file) {
             why = parse_landmark(word, vertices, landmarks);
+        } else if (parse_file_pair(word, of_source, of_target).empty()) {
+            const auto from = load_point_table(of_source), to = load_point_table(of_target);
+            if (!from) return from.error();
+            if (!to) return to.error();
+            why = add_landmarks(*from, *to, landmarks);
         } else {
             const auto text = read_text(word);
             if (!text) return text.error();
@@ -128,6 +144,9 @@ void WrapChoice::add_options(CommandLine& line) {
         .one_of({"0", "6", "12", "24", "48", "96"})
         .show_default("24; with --cage 0");
     line.add_flag("--stiff", is_stiff, "bend less: for scans whose noise is correlated");
+    line.add_flag("--refine-contacts", refines_contacts,
+                  "halve the cells of the finest lattice where the source is not on the target, as at thighs "
+                  "that touch; takes about twice the time");
     line.add_flag("--no-align", keeps_place,
                   "the source already lies on the target: do not scale and shift it first");
     line.add_flag("--other-pose", other_pose,
@@ -144,6 +163,7 @@ std::string WrapChoice::fault() const {
     if (cage.empty() && coordinates.is_named) return "--coordinates is for --cage: give a cage too";
     if (cage.empty() && !save_pose.empty()) return "--save-pose is for --cage: give a cage too";
     if (cage.empty() && names_finest && finest == 0) return "--lattice 0 is for --cage: give a cage too";
+    if (!cage.empty() && refines_contacts) return "--refine-contacts is for a lattice: leave out --cage";
     if (other_pose && landmarks.given.empty())
         return "--other-pose needs landmarks: give --landmark or --landmarks";
     if (!save_pose.empty() && coordinates.takes_normals())
@@ -160,6 +180,7 @@ WrapMap WrapChoice::solve(const WrapFigures& figures) const {
     options.follow = figures.follow;
     options.align = !keeps_place;
     options.other_pose = other_pose;
+    options.refine_contacts = refines_contacts;
     options.finest = unsigned(cage.empty() || names_finest ? finest : 0);
     options.least_stiffness = is_stiff ? 1e-5 : options.least_stiffness;
     options.residual = residual;

@@ -17,6 +17,9 @@
 
 namespace cageform_support {
 
+/// Splits two names of files, "dress.obj:dress_on_target.obj". Returns the error; empty on success.
+std::string parse_file_pair(std::string_view word, std::string& first, std::string& second);
+
 /// The options --landmark and --landmarks.
 struct LandmarkChoice {
     std::vector<std::pair<std::string, bool>> given; ///< words; files if true, in the order of the options
@@ -58,7 +61,7 @@ struct WrapChoice {
     LandmarkChoice landmarks;
     std::size_t finest = 24;
     bool names_finest = false; ///< whether --lattice is given
-    bool is_stiff = false, keeps_place = false, other_pose = false;
+    bool is_stiff = false, keeps_place = false, other_pose = false, refines_contacts = false;
     double residual = 0;
     std::optional<double> push_out; ///< distance of followers from the target, relative to its height
 

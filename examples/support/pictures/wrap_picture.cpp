@@ -10,7 +10,7 @@ namespace cageform_support {
 
 namespace {
 
-constexpr std::size_t part_width = 420, part_height = 860, heading = 40, bar_width = 110;
+constexpr std::size_t part_width = 500, part_height = 780, heading = 40, bar_width = 110;
 constexpr double letter = 2; // 1/7 of its height
 constexpr Colour ink{0.2f, 0.2f, 0.2f};
 
@@ -82,9 +82,14 @@ Picture draw_wrap(const WrapScene& scene, const ViewAngles& sight) {
     const Dressed dressed = dressed_target(scene);
     MeshView coloured = scene.wrapped;
     coloured.colours = heats;
-    std::vector<MeshScene> scenes{{scene.target, {}}, {scene.wrapped, {}}, {coloured, {}}};
-    if (!scene.followers.empty())
+    std::vector<MeshScene> scenes{{scene.target, {}}, {scene.wrapped, {}}};
+    std::vector<std::string> names{"source", "target", "wrapped source"};
+    if (!scene.followers.empty()) {
         scenes.push_back({{dressed.vertices, dressed.triangles, dressed.colours}, {}, dressed.lines, {}});
+        names.emplace_back("followers on the target");
+    }
+    scenes.push_back({coloured, {}});
+    names.emplace_back("distance, % of height");
     const MeshScene source{scene.source, {}};
 
     const std::size_t parts = 1 + scenes.size();
@@ -92,8 +97,6 @@ Picture draw_wrap(const WrapScene& scene, const ViewAngles& sight) {
     picture.place(draw_meshes({&source, 1}, part_width, part_height, sight), 0, heading);
     const Picture others = draw_meshes(scenes, scenes.size() * part_width, part_height, sight);
     picture.place(others, part_width, heading);
-    const std::array names{"source", "target", "wrapped source", "its distance, % of height",
-                           "followers on the target"};
     for (std::size_t n = 0; n < parts; ++n)
         picture.text({double(n * part_width) + 20, 0.5 * heading}, names[n], letter, ink);
     const Axis bar{0, scene.most, 0.96 * double(heading + part_height), 1.5 * heading};

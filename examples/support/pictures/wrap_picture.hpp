@@ -30,8 +30,8 @@ struct WrapScene {
 /// or 5.
 double scale_of_distances(std::span<const double> distances);
 
-/// Draws side by side: the source; target, wrapped source, and its distances in colours with a scale, all
-/// with one camera; and the followers on the target, if there are any. Points without triangles and segments
+/// Draws side by side: the source; and with one camera the target, the wrapped source, the followers on the
+/// target if there are any, and the distances in colours with a scale. Points without triangles and segments
 /// become crosses.
 Picture draw_wrap(const WrapScene& scene, const ViewAngles& sight);
 
