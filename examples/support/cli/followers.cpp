@@ -55,11 +55,11 @@ void Follower::push_out(const WrapSurfaces& surfaces, std::optional<double> dist
     const WeldedMesh joined = welded_mesh(mesh_);
     std::vector<Point3> places;
     for (const std::uint32_t vertex : joined.first) places.push_back(moved_[vertex]);
-    const auto was_outside = are_outside(surfaces.source, joined.places);
+    const auto was_outside = surfaces.source.are_outside(joined.places);
     if (distance) {
         const auto before = places;
         pushed_ = cageform::push_out(surfaces.target_mesh, {places, joined.triangles}, was_outside, places,
-                                     {.distance = *distance * height_});
+                                     *distance * height_);
         if (pushed_->status != cageform::Status::ok)
             throw Failure(name_ + ": --push-out: " + cageform::to_string(pushed_->status));
         for (std::size_t i = 0; i < moved_.size(); ++i) {
@@ -67,14 +67,15 @@ void Follower::push_out(const WrapSurfaces& surfaces, std::optional<double> dist
             moved_[i] = moved_[i] + (places[n] - before[n]);
         }
     }
-    const auto is_outside = are_outside(surfaces.target, places);
-    std::vector<Point3> inside;
     for (std::size_t n = 0; n < places.size(); ++n) {
-        checked_ += was_outside[n] != 0 ? 1 : 0;
-        if (was_outside[n] != 0 && is_outside[n] == 0) inside.push_back(places[n]);
+        if (was_outside[n] == 0) continue;
+        ++checked_;
+        const auto at = surfaces.target.find(places[n]);
+        const Point3 off = places[n] - at.place;
+        if (dot(off, at.normal) >= 0 || surfaces.target.is_on_rim(at.face)) continue;
+        ++inside_;
+        depth_ = std::max(depth_, std::sqrt(dot(off, off)) / height_);
     }
-    inside_ = inside.size();
-    depth_ = distances_to(surfaces.target, inside).largest / height_;
 }
 
 std::vector<std::string> Follower::save(OutputFiles& outputs) const {

@@ -62,12 +62,12 @@ std::string table_of_distances(const cageform::WrapReport& report, const WrapFig
                   vertex_at(figures.target_surface, report.to_source.farthest));
 }
 
-std::string end_of(cageform::WrapEnd ended) {
+std::string end_of(cageform::WrapReport::End ended) {
     switch (ended) {
-    case cageform::WrapEnd::stages: return "all steps are done";
-    case cageform::WrapEnd::residual: return "the distance of --residual is reached";
-    case cageform::WrapEnd::noise: return "the distance is that of the target's noise";
-    case cageform::WrapEnd::fold: return "the next step would fold space";
+    case cageform::WrapReport::End::stages: return "all steps are done";
+    case cageform::WrapReport::End::residual: return "the distance of --residual is reached";
+    case cageform::WrapReport::End::noise: return "the distance is that of the target's noise";
+    case cageform::WrapReport::End::fold: return "the next step would fold space";
     }
     return {};
 }
