@@ -10,6 +10,7 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/fit/push_out.hpp>
 #include <cageform/fit/wrap.hpp>
+#include <cageform/pose/detail/rigid_frame.hpp>
 
 namespace wrap_tests {
 
