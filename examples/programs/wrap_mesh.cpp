@@ -2,8 +2,8 @@
 // hair, joints and morph targets of the source follow.
 //
 //     wrap_mesh body.obj scan.obj -o wrapped.obj --follow dress.obj:dress_on_scan.obj --picture wrap.png
-//     wrap_mesh man.obj child.obj -o wrapped.obj --landmarks pairs.csv --push-out 0.05% --report \
-//       --follow coat.obj:coat_on_child.obj --follow bones.csv:bones_on_child.csv
+//     wrap_mesh man.obj child.obj -o wrapped.obj --landmarks pairs.csv --follow bones.csv:child_bones.csv
+//     wrap_mesh man.glb child.obj -o child.glb --follow coat.glb:coat_on_child.glb --push-out 0.05% --report
 //
 // The map is the pose of a lattice, or of a cage, that moves all of space without folds (fit/wrap.hpp).
 

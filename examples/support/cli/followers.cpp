@@ -91,11 +91,15 @@ std::vector<std::string> Follower::save(OutputFiles& outputs) const {
 std::string Follower::describe() const {
     std::string text = out_ + ": " + std::to_string(moved_.size()) + (is_mesh() ? " vertices" : " points");
     if (checked_ == 0) return text;
-    if (pushed_)
-        text += "; " + std::to_string(pushed_->inside) + " were inside the target, and --push-out moved " +
-                std::to_string(pushed_->moved) + " by at most " + percent_of(pushed_->largest / height_) +
-                " of its height, " + percent_of(pushed_->mean / height_) + " in the mean";
-    text += "; " + std::to_string(inside_) + " of " + std::to_string(checked_) + " are inside the target";
+    if (pushed_ && pushed_->moved > 0)
+        text += "; --push-out moved " + std::to_string(pushed_->moved) + " by at most " +
+                percent_of(pushed_->largest / height_) + " of the target's height, " +
+                percent_of(pushed_->mean / height_) + " in the mean; before, " +
+                std::to_string(pushed_->inside) + " were inside the target, now";
+    else
+        text += ';';
+    text += ' ' + std::to_string(inside_) + " of " + std::to_string(checked_) + " are inside" +
+            (pushed_ && pushed_->moved > 0 ? "" : " the target");
     return inside_ == 0 ? text : text + ", at most " + percent_of(depth_) + " of its height deep";
 }
 

@@ -126,10 +126,14 @@ std::vector<std::string> warnings_of(const WrapMap& map, const WrapFigures& figu
     std::vector<std::string> warnings;
     const auto unmatched = percent_of(report.unmatched_source) + " of " + figures.source.name + " and " +
                            percent_of(report.unmatched_target) + " of " + figures.target.name;
+    const char* const remedy =
+        ": do both have the same up and front, and the same pose? Landmarks align them (--landmark)";
     if (report.status == cageform::Status::fit_not_reached)
-        warnings.push_back(std::string(cageform::to_string(report.status)) + ": " + unmatched +
-                           " have no match; do both figures have the same up and front? Landmarks align "
-                           "them");
+        warnings.push_back(std::string(cageform::to_string(report.status)) + "; " + unmatched + " have none" +
+                           remedy);
+    else if (report.to_target.mean > far_off)
+        warnings.push_back(figures.source.name + " is " + percent_of(report.to_target.mean) +
+                           " of the target's height from the target in the mean" + remedy);
     else if (report.unmatched_source > many || report.unmatched_target > many)
         warnings.push_back("no match was found for " + unmatched +
                            ": these parts may be missing in the other figure, or need landmarks");
