@@ -10,7 +10,7 @@ namespace cageform_support {
 
 namespace {
 
-constexpr std::size_t part_width = 500, part_height = 780, heading = 40, bar_width = 110;
+constexpr std::size_t part_width = 400, part_height = 640, heading = 40, bar_width = 110;
 constexpr double letter = 2; // 1/7 of its height
 constexpr Colour ink{0.2f, 0.2f, 0.2f};
 
