@@ -45,7 +45,8 @@ public:
     void push_out(const WrapSurfaces& surfaces, std::optional<double> distance);
     /// Adds the file with moved points to the outputs. Returns notes for the user.
     std::vector<std::string> save(OutputFiles& outputs) const;
-    /// "dress_on_target.obj: 1911 vertices, 2 of 1911 are inside the target, at most 0.1 % of its height deep".
+    /// "dress.obj: 1911 vertices; 2 of 1900 are inside the target, at most 0.1 % of its height deep". Counted
+    /// are vertices that are outside the source.
     std::string describe() const;
     /// Warnings about faces that --push-out turned; empty if there are none.
     std::string warning() const;

@@ -36,8 +36,8 @@ Expected<PointTable> parse_point_table(std::string text, std::string name);
 /// As parse_point_table(), from a file; fails also if it cannot be read.
 Expected<PointTable> load_point_table(const std::string& path);
 
-/// The text with moved points. Unchanged numbers keep their digits; others have the fewest digits that restore
-/// them.
+/// The text with moved points. Unchanged numbers keep their digits; others have the fewest digits that
+/// restore them.
 ///
 ///   moved   #points
 std::string to_text(const PointTable& table, std::span<const Point3> moved);
