@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/detail/sampled_coordinates.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/fit/detail/find_wrap.hpp>
@@ -25,7 +26,7 @@ Status evaluate_for_wrap(const C& coordinates, std::span<const Vec<double, 3>> p
     if (count == 0) return Status::ok;
     const Running silent{running.parallel, {}};
     if (!derivatives) {
-        const auto [binding, report] = bind(coordinates, places, {}, silent);
+        const auto [binding, report] = bind(coordinates, places, BindOptions{}, silent);
         for (std::size_t n = 0; report.status == Status::ok && n < count; ++n) {
             for (std::size_t i = 0; i < handles; ++i)
                 rows.weights[n * handles + i] = double(binding.weight(n, i));
@@ -78,7 +79,7 @@ Result<Wrap<T>, WrapReport> wrap(const SurfaceMesh& source, const SurfaceMesh& t
 ///   cost         as above, plus the weights of all vertices, followers and samples; O(#handles) memory for
 ///                each of them
 ///   fails        as above, and as the cage's check and `bind_jacobians`
-template <GradientCoordinates C>
+template <detail::SampledCoordinates C>
     requires(C::dimension == 3)
 Result<Wrap<typename C::scalar>, WrapReport> wrap(const C& coordinates, const SurfaceMesh& source,
                                                   const SurfaceMesh& target, const WrapOptions& options = {},
@@ -174,7 +175,7 @@ Status move_by_cage(const Wrap<T>& wrap, const C& coordinates, std::vector<Vec<T
         if (status != Status::ok) return status;
         for (std::size_t n = 0; n < 9 * points.size(); ++n) jacobians[n / 9][n / 3 % 3][n % 3] = matrices[n];
     }
-    const auto [binding, report] = bind(coordinates, points, {}, silent);
+    const auto [binding, report] = bind(coordinates, points, BindOptions{}, silent);
     if (report.status != Status::ok) return report.status;
     return clone(binding, wrap.pose, points);
 }
@@ -221,7 +222,7 @@ Status move(const Wrap<T>& wrap, const R& points, Out&& out,
 ///
 ///   coordinates  those of the wrap
 ///   fails        pose_size_differs (the coordinates have another number of handles); as above
-template <GradientCoordinates C, PointRangeIn<3> R, MutablePointRangeIn<3> Out>
+template <detail::SampledCoordinates C, PointRangeIn<3> R, MutablePointRangeIn<3> Out>
 Status move(const Wrap<typename C::scalar>& wrap, const C& coordinates, const R& points, Out&& out,
             std::type_identity_t<std::span<std::array<Vec<typename C::scalar, 3>, 3>>> jacobians = {},
             const Running& running = {}) {
