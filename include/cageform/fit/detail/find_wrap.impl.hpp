@@ -57,6 +57,10 @@ public:
             status = run_stage(frame, stages, n, running.subtask(from, to));
             if (report_.ended != WrapEnd::stages) break;
         }
+        if (status == Status::ok && refines() && lattice_) {
+            report_.ended = WrapEnd::stages;
+            status = refine_contacts(running.subtask(0.95, 0.99));
+        }
         if (status != Status::ok && status != Status::cancelled) return status;
         measure();
         has_result_ = true;
@@ -95,40 +99,25 @@ private:
         for (std::size_t k = 0; k < 3; ++k) to.columns[k] = vec_cast<T>(from.columns[k]);
         return to;
     }
-    Status refuse(Status status, std::size_t culprit, bool of_target) noexcept {
+    Status refuse(Status status, std::size_t culprit) noexcept {
         report_.culprit = culprit;
-        report_.of_target = of_target;
         return status;
     }
-    Status check_mesh(const SurfaceMesh& mesh, bool of_target) {
-        if (mesh.status() != Status::ok) return mesh.status();
-        if (mesh.vertices().empty() || mesh.faces().empty())
-            return refuse(Status::figure_empty, WrapReport::none, of_target);
-        for (std::size_t i = 0; i < mesh.vertices().size(); ++i) {
-            if (!is_finite(mesh.vertices()[i])) return refuse(Status::figure_not_finite, i, of_target);
-        }
-        bool has_area = false;
-        for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
-            const auto& face = mesh.faces()[f];
-            if (has_missing_vertex(face)) return refuse(Status::index_out_of_range, f, of_target);
-            const auto v = mesh.vertices();
-            const auto n = cross(v[face[1]] - v[face[0]], v[face[2]] - v[face[0]]);
-            has_area = has_area || dot(n, n) > 0;
-            if (!is_finite(n)) return refuse(Status::figure_not_finite, face[0], of_target);
-        }
-        return has_area ? Status::ok : refuse(Status::figure_has_no_size, WrapReport::none, of_target);
-    }
     Status check() {
-        if (const Status status = check_mesh(source_, false); status != Status::ok) return status;
-        if (const Status status = check_mesh(target_, true); status != Status::ok) return status;
+        for (const bool of_target : {false, true}) {
+            report_.of_target = of_target;
+            const Status status = check_surface(of_target ? target_ : source_, report_.culprit);
+            if (status != Status::ok) return status;
+        }
+        report_.of_target = false;
         for (std::size_t n = 0; n < options_.landmarks.size(); ++n) {
             const Landmark& mark = options_.landmarks[n];
             if (!is_finite(mark.from) || !is_finite(mark.to) || !is_finite(mark.weight))
-                return refuse(Status::value_not_finite, n, false);
-            if (!(mark.weight > 0)) return refuse(Status::weights_not_positive, n, false);
+                return refuse(Status::value_not_finite, n);
+            if (!(mark.weight > 0)) return refuse(Status::weights_not_positive, n);
         }
         for (std::size_t n = 0; n < options_.follow.size(); ++n) {
-            if (!is_finite(options_.follow[n])) return refuse(Status::value_not_finite, n, false);
+            if (!is_finite(options_.follow[n])) return refuse(Status::value_not_finite, n);
         }
         bool are_options_valid = options_.floor >= 0 && options_.floor < 1 && options_.residual >= 0;
         for (const WrapStage& stage : wrap_stages(options_, cage_ != nullptr)) {
@@ -160,8 +149,11 @@ private:
         report_.skipped_faces = scene_.target.skipped_faces();
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
-        const Status status = ShellSampler(scene_, source).run(spacing, shell, running);
+        GridSamples samples;
+        const Status status = sample_shell(scene_, source, spacing, shell, running, samples);
         if (status != Status::ok) return status;
+        scene_.samples.rest = std::move(samples.places);
+        scene_.neighbours = std::move(samples.neighbours);
         report_.samples = scene_.samples.rest.size();
         find_guarded(source);
         for (MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.samples, &scene_.marks})
@@ -214,14 +206,57 @@ private:
             lattice_pose_ = lattice_->rest();
         }
         while (lattice_->cell() > 1.01 / stages[n].cells) lattice_->refine(lattice_pose_);
-        return run_basis(*lattice_, options, lattice_pose_, running, options.is_last);
+        return run_basis(*lattice_, options, lattice_pose_, running, options.is_last && !refines());
+    }
+    bool refines() const noexcept { return options_.refine_contacts && cage_ == nullptr; }
+    /// Halves the cells of the lattice near vertices that are off the target, with finer samples there. All
+    /// other handles are held.
+    Status refine_contacts(const Running& running) {
+        constexpr double off = 0.002, reach = 0.04, spacing = 1.0 / 100;
+        WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice_->cell())), {1e-7}, 0.03},
+                                 options_.floor, 0, 0, false, true, true};
+        LatticeRows rows;
+        if (const Status status = lattice_->weights(scene_.source.now, rows); status != Status::ok)
+            return status;
+        std::vector<Point> places;
+        scene_.target.set_normal_length(0);
+        std::uint32_t guess = no_vertex;
+        for (std::size_t i = 0; i < scene_.source.size(); ++i) {
+            const Point moved = rows.product(i, lattice_pose_);
+            const ClosestPlace at = scene_.target.find(moved, {}, guess);
+            guess = at.face;
+            if (dot(moved - at.place, moved - at.place) > off * off) places.push_back(scene_.source.now[i]);
+        }
+        WrapStageSolver<WrapLattice> finisher(scene_, *lattice_, options, running);
+        if (places.empty()) return finisher.finish(lattice_pose_);
+        lattice_->refine(lattice_pose_);
+        const NearPoints near_places(places);
+        std::vector<char> is_free;
+        for (const Point& p : lattice_->rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
+        options.free_handles = &is_free;
+        GridSamples fine;
+        const auto box = bounds_of(std::span<const Point>(places)).widened(reach + 2 * lattice_->cell());
+        const double wide = reach + 2 * lattice_->cell();
+        const auto make_test = [&] { return [&](const Point& p) { return near_places.has(p, wide); }; };
+        Status status = sample_grid(box, spacing, make_test, running.subtask(0, 0.1), fine);
+        if (status != Status::ok) return status;
+        MovedPoints samples = std::exchange(scene_.samples, {std::move(fine.places), {}, {}});
+        auto neighbours = std::exchange(scene_.neighbours, std::move(fine.neighbours));
+        scene_.samples.start();
+        status = run_basis(*lattice_, options, lattice_pose_, running.subtask(0.1, 1), false);
+        scene_.samples = std::move(samples);
+        scene_.neighbours = std::move(neighbours);
+        if (status != Status::ok && status != Status::cancelled) return status;
+        const Status moved = finisher.finish(lattice_pose_);
+        return moved != Status::ok ? moved : status;
     }
     template <class Basis>
     Status run_basis(const Basis& basis, const WrapStageOptions& options, std::vector<Point>& pose,
                      const Running& running, bool is_finished) {
         WrapStageSolver<Basis> solver(scene_, basis, options, running);
         Status status = solver.run(pose, report_, report_.ended);
-        const bool ends = is_finished || status != Status::ok || report_.ended != WrapEnd::stages;
+        const bool ends = is_finished || status == Status::cancelled ||
+                          (report_.ended != WrapEnd::stages && !refines());
         if (ends && (status == Status::ok || status == Status::cancelled)) {
             const Status moved = solver.finish(pose);
             if (moved != Status::ok) return moved;

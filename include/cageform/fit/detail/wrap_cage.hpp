@@ -67,6 +67,9 @@ public:
     }
     void clear() noexcept { entries_.setZero(); }
 
+    /// As LatticeMatrix::subtract_fixed; all handles of a cage are unknowns.
+    void subtract_fixed(const std::vector<Vec<double, 3>>& /*pose*/,
+                        std::vector<Vec<double, 3>>& /*right*/) const noexcept {}
     const Eigen::MatrixXd& entries() {
         add_batch();
         return entries_;

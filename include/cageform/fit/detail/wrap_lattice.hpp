@@ -78,8 +78,7 @@ public:
         for (std::size_t n = 0; n < unknowns.size(); ++n) slot_[unknowns[n]] = std::uint32_t(n);
     }
 
-    /// Adds weight · (row a)ᵀ (row b). The handles of both rows must be unknowns. Rows whose cells are more
-    /// than one apart along an axis do not couple.
+    /// Adds weight · (row a)ᵀ (row b). Rows whose cells are more than one apart along an axis do not couple.
     void add_product(const LatticeRows& rows, std::size_t a, std::size_t b, double weight) noexcept {
         if (!are_near(rows.first[a], rows.first[b])) return;
         const std::size_t base = centre + offset(rows.first[a], rows.first[b]);
@@ -88,6 +87,7 @@ public:
         for (std::size_t m = 0; m < LatticeRows::width; ++m) {
             const std::size_t x = m % 4, y = m / 4 % 4, z = m / 16;
             const std::size_t handle = rows.first[a] + (z * counts_[1] + y) * counts_[0] + x;
+            if (slot_[handle] == no_slot) continue;
             double* const to = &entries_[slot_[handle] * stencil + base - (z * side + y) * side - x];
             const double factor = weight * of_a[m];
             for (std::size_t run = 0; run < 16; ++run) {
@@ -111,6 +111,19 @@ public:
             entries_[n] = a.entries_[n] + factor * b.entries_[n];
     }
     void clear() noexcept { std::fill(entries_.begin(), entries_.end(), 0); }
+
+    /// Subtracts the products with handles that are not unknowns from the right-hand sides (#handles).
+    void subtract_fixed(const std::vector<Point>& pose, std::vector<Point>& right) const noexcept {
+        if (unknowns_.size() == slot_.size()) return;
+        for (std::size_t n = 0; n < unknowns_.size(); ++n) {
+            for (std::size_t at = 0; at < stencil; ++at) {
+                const double entry = entries_[n * stencil + at];
+                if (entry == 0) continue;
+                const auto j = std::size_t(std::ptrdiff_t(unknowns_[n]) + displacement(at));
+                if (slot_[j] == no_slot) right[unknowns_[n]] = right[unknowns_[n]] - entry * pose[j];
+            }
+        }
+    }
 
     /// Returns the lower triangle. Throws std::bad_alloc.
     Eigen::SparseMatrix<double> lower() const {

@@ -71,78 +71,93 @@ inline void choose_back_places(WrapScene& scene, std::span<const SurfaceMesh::Fa
     }
 }
 
-/// Samples the inside of the source and a shell about the source and the followers, on a grid.
-///
-///   spacing, shell  of the grid, and the width of the shell, in units of the height
-class ShellSampler {
-    using Point = Vec<double, 3>;
+/// Samples on a grid, and pairs of neighbours along its axes.
+struct GridSamples {
+    std::vector<Vec<double, 3>> places;
+    std::vector<std::array<std::uint32_t, 2>> neighbours;
+};
 
+/// Samples the places of a grid that a test accepts. The grid is centred in the box, so that mirrored figures
+/// have mirrored samples. Throws std::bad_alloc.
+///
+///   make_test  make_test() returns a function object: test(place) tells whether to keep a place. Each call of
+///              the loop's body makes one object
+template <class MakeTest>
+Status sample_grid(const Bounds<double, 3>& box, double spacing, const MakeTest& make_test,
+                   const Running& running, GridSamples& samples) {
+    std::array<std::size_t, 3> counts;
+    Vec<double, 3> lower;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double extent = box.upper[k] - box.lower[k];
+        counts[k] = std::size_t(std::floor(extent / spacing)) + 1;
+        lower[k] = box.lower[k] + 0.5 * (extent - spacing * double(counts[k] - 1));
+    }
+    const std::size_t row = counts[0], rows = counts[1] * counts[2];
+    const auto place = [&](std::size_t n) {
+        return lower +
+               spacing * Vec<double, 3>{double(n % row), double(n / row % counts[1]), double(n / row / counts[1])};
+    };
+    std::vector<char> is_sample(row * rows);
+    const Status status = for_each_block(rows, running, [&](std::size_t begin, std::size_t end) {
+        auto test = make_test();
+        for (std::size_t n = begin * row; n < end * row; ++n) is_sample[n] = test(place(n)) ? 1 : 0;
+    });
+    if (status != Status::ok) return status;
+    std::vector<std::uint32_t> number(is_sample.size(), no_vertex);
+    const std::array<std::size_t, 3> stride{1, row, row * counts[1]};
+    for (std::size_t n = 0; n < is_sample.size(); ++n) {
+        if (is_sample[n] == 0) continue;
+        number[n] = std::uint32_t(samples.places.size());
+        samples.places.push_back(place(n));
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (n / stride[k] % counts[k] > 0 && is_sample[n - stride[k]] != 0)
+                samples.neighbours.push_back({number[n - stride[k]], number[n]});
+        }
+    }
+    return samples.places.empty() ? Status::samples_missing : Status::ok;
+}
+
+/// Whether points of a set lie within a distance of given places.
+class NearPoints {
 public:
-    ShellSampler(WrapScene& scene, const ClosestPlaces& source)
-        : scene_(scene)
-        , source_(source)
-        , followers_(scene.followers.size(), [&](std::uint32_t i) {
-            return Bounds<double, 3>{scene.followers.rest[i], scene.followers.rest[i]};
+    explicit NearPoints(std::span<const Vec<double, 3>> points)
+        : points_(points)
+        , tree_(points.size(), [points](std::uint32_t i) {
+            return Bounds<double, 3>{points[i], points[i]};
         }) {}
 
-    /// Throws std::bad_alloc.
-    Status run(double spacing, double shell, const Running& running) {
-        Bounds<double, 3> box = bounds_of(std::span<const Point>(scene_.source.rest));
-        if (scene_.followers.size() > 0)
-            box.include(bounds_of(std::span<const Point>(scene_.followers.rest)));
-        box = box.widened(shell);
-        std::array<std::size_t, 3> counts;
-        for (std::size_t k = 0; k < 3; ++k)
-            counts[k] = std::size_t(std::floor((box.upper[k] - box.lower[k]) / spacing)) + 1;
-        for (std::size_t k = 0; k < 3; ++k) { // centred, so that mirrored figures have mirrored samples
-            const double left = box.upper[k] - box.lower[k] - spacing * double(counts[k] - 1);
-            box.lower[k] += 0.5 * left;
-        }
-        const std::size_t row = counts[0], rows = counts[1] * counts[2];
-        std::vector<char> is_sample(row * rows);
-        const auto place = [&](std::size_t n) {
-            return box.lower +
-                   spacing * Point{double(n % row), double(n / row % counts[1]), double(n / row / counts[1])};
-        };
-        const Status status = for_each_block(rows, running, [&](std::size_t begin, std::size_t end) {
-            std::uint32_t guess = no_vertex;
-            for (std::size_t n = begin * row; n < end * row; ++n)
-                is_sample[n] = is_near(place(n), shell, guess);
-        });
-        if (status != Status::ok) return status;
-        std::vector<std::uint32_t> number(is_sample.size(), no_vertex);
-        const std::array<std::size_t, 3> stride{1, row, row * counts[1]};
-        for (std::size_t n = 0; n < is_sample.size(); ++n) {
-            if (is_sample[n] == 0) continue;
-            number[n] = std::uint32_t(scene_.samples.rest.size());
-            scene_.samples.rest.push_back(place(n));
-            for (std::size_t k = 0; k < 3; ++k) {
-                if (n / stride[k] % counts[k] > 0 && is_sample[n - stride[k]] != 0)
-                    scene_.neighbours.push_back({number[n - stride[k]], number[n]});
-            }
-        }
-        return scene_.samples.rest.empty() ? Status::samples_missing : Status::ok;
-    }
-
-private:
-    bool is_near(const Point& p, double shell, std::uint32_t& guess) const {
-        const ClosestPlace at = source_.find(p, {}, guess);
-        guess = at.face;
-        if (guess == no_vertex) return false;
-        const auto e = p - at.place;
-        if (dot(e, e) < shell * shell || dot(e, at.normal) < 0) return true;
+    bool has(const Vec<double, 3>& p, double distance) const {
         bool found = false;
-        followers_.for_each_near(p, shell * shell, [&](std::uint32_t i) {
-            const auto d = scene_.followers.rest[i] - p;
-            found = found || dot(d, d) < shell * shell;
-            return found ? -1.0 : shell * shell;
+        tree_.for_each_near(p, distance * distance, [&](std::uint32_t i) {
+            found = found || dot(points_[i] - p, points_[i] - p) < distance * distance;
+            return found ? -1.0 : distance * distance;
         });
         return found;
     }
 
-    WrapScene& scene_;
-    const ClosestPlaces& source_;
-    BoxTree<3> followers_;
+private:
+    std::span<const Vec<double, 3>> points_;
+    BoxTree<3> tree_;
 };
+
+/// Samples the inside of the source, and a shell about the source and the followers.
+///
+///   spacing, shell  of the grid, and the width of the shell, in units of the height
+inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, double spacing, double shell,
+                           const Running& running, GridSamples& samples) {
+    using Point = Vec<double, 3>;
+    Bounds<double, 3> box = bounds_of(std::span<const Point>(scene.source.rest));
+    if (scene.followers.size() > 0) box.include(bounds_of(std::span<const Point>(scene.followers.rest)));
+    const NearPoints followers(scene.followers.rest);
+    const auto make_test = [&] {
+        return [&, guess = no_vertex](const Point& p) mutable {
+            const ClosestPlace at = source.find(p, {}, guess);
+            guess = at.face;
+            const auto e = p - at.place;
+            return dot(e, e) < shell * shell || dot(e, at.normal) < 0 || followers.has(p, shell);
+        };
+    };
+    return sample_grid(box.widened(shell), spacing, make_test, running, samples);
+}
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -25,6 +25,7 @@ struct WrapStageOptions {
     double floor = 0.1, residual = 0;
     double noise = 0; ///< of the target; 0: unknown or low
     bool first_by_landmarks = false, guards_followers = true, is_last = false;
+    const std::vector<char>* free_handles = nullptr; ///< #handles: which may move; null: all
     std::size_t vertices = 0; ///< number of vertices of the source that are matched; 0: all
 };
 
@@ -125,8 +126,10 @@ private:
                 rows->for_each(n, [&](std::size_t i, double /*w*/) { is_unknown_[i] = 1; });
         }
         for (std::size_t i = 0; i < basis_.size(); ++i) {
+            if (options_.free_handles != nullptr && (*options_.free_handles)[i] == 0) is_unknown_[i] = 0;
             if (is_unknown_[i] != 0) unknowns_.push_back(std::uint32_t(i));
         }
+        if (unknowns_.empty()) return Status::samples_missing;
         rigidity_.assign(scene_.samples.size(), 1);
         turns_.assign(block_count<double>(scene_.samples.size()) * 9, {});
         data_ = basis_.matrix(unknowns_);
@@ -228,6 +231,7 @@ private:
             for (std::size_t k = 0; k < mark_rows_.size(); ++k)
                 mark_rows_.add(k, mark_weight(k) * scene_.mark_targets[k], right);
             add_rotations(stiffness, pose, right);
+            sum_.subtract_fixed(pose, right);
             for (std::size_t u = 0; u < unknowns_.size(); ++u)
                 solution[u] = right[unknowns_[u]] + proximity * pose[unknowns_[u]];
             factors_.solve(solution);

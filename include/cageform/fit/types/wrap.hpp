@@ -41,6 +41,9 @@ struct WrapOptions {
     /// With a cage, the lattices begin at 12, and 0 fits the cage alone.
     unsigned finest = 24;
     double least_stiffness = 1e-7;   ///< the stages end at this λ; 1e-5 suits scans with noise
+    /// Halves the cells of the last lattice where the source is not on the target, as at thighs that touch.
+    /// Takes about twice the time. Without a cage only.
+    bool refine_contacts = false;
     std::vector<WrapStage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
     double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
     double residual = 0; ///< ends the search below this 95th percentile, relative to the height
@@ -67,7 +70,7 @@ struct WrapStep {
 
 struct WrapReport {
     Status status = Status::ok;
-    std::size_t culprit = none; ///< index of the vertex, face or landmark that was refused
+    std::size_t culprit = none; ///< index of the vertex, face, landmark or follower that was refused
     bool of_target = false;     ///< whether the culprit is of the target
     WrapEnd ended = WrapEnd::stages;
     double height = 0; ///< of the target, along the longest principal axis of the source
