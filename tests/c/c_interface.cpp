@@ -283,10 +283,13 @@ TEST_CASE("invalid calls give a status", "[c]") {
     fitting.bones = 1;
     REQUIRE(cageform_fit_skeleton(points_of(space.pose), points_of(poses), nullptr, 0, &fitting, nullptr,
                                   &skeleton.object, nullptr) == CAGEFORM_OK);
-    const auto cage = drawing_of(space.vertices, space.indices);
+    auto thin = space.vertices;
+    for (auto& v : thin) v = {0.2 * v[0], 0.2 * v[1], v[2]};
+    const auto solid = drawing_of(thin, space.indices);
     auto coarse = sized<cageform_wrap_options>();
     coarse.finest = 6;
-    REQUIRE(cageform_fit_wrap(nullptr, &cage, &cage, &coarse, nullptr, &wrap.object, nullptr) == CAGEFORM_OK);
+    REQUIRE(cageform_fit_wrap(nullptr, &solid, &solid, &coarse, nullptr, &wrap.object, nullptr) ==
+            CAGEFORM_OK);
 
     const std::uint64_t seed = 20261126;
     CAPTURE(seed);
@@ -468,10 +471,10 @@ TEST_CASE("invalid calls give a status", "[c]") {
             options.follow = reading();
             options.floor = random.uniform(-0.2, 1.2);
             if (pick(3) == 0) options.finest = std::uint32_t(number());
-            std::array<cageform_drawing, 2> drawings{cage, cage};
-            auto& drawing = drawings[pick(2)] = spoil(cage);
+            std::array<cageform_drawing, 2> drawings{solid, solid};
+            auto& drawing = drawings[pick(2)] = spoil(solid);
             if (pick(2) != 0) drawing.points = reading();
-            drawing.index_count = pick(3) != 0 ? cage.index_count : pick(cage.index_count);
+            drawing.index_count = pick(3) != 0 ? solid.index_count : pick(solid.index_count);
             status = cageform_fit_wrap(pick(3) ? nullptr : any(space.coordinates.object), &drawings[0],
                                        &drawings[1], &options, nullptr, &fitted.object, &report);
             break;

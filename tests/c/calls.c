@@ -817,10 +817,10 @@ static void check_pose(const cageform_coordinates* coordinates, const double* po
     cageform_free(binding);
 }
 
-/* A ball is wrapped onto an ellipsoid by a lattice, and by a cage; another ball around it follows. */
+/* A spheroid is wrapped onto an ellipsoid by a lattice, and by a cage; another ball around it follows. */
 static void test_wraps(void) {
-    const ball source = scaled_ball(0.7, 0.7, 1), target = scaled_ball(0.5, 0.8, 1.2),
-               coat = scaled_ball(0.77, 0.77, 1.1);
+    const ball source = scaled_ball(0.2, 0.2, 1), target = scaled_ball(0.15, 0.25, 1.2),
+               coat = scaled_ball(0.23, 0.23, 1.1);
     const cageform_drawing from = ball_drawing(&source), to = ball_drawing(&target);
     const cageform_landmark top = {{0, 0, 1}, {0, 0, 1.2}, 0};
     cageform_coordinates *coordinates = coordinates_of(cube_cage(), CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT),
@@ -858,7 +858,7 @@ static void test_wraps(void) {
     CHECK(cageform_wrap_move(wrap, points_of(coat.vertices, BALL, CAGEFORM_DOUBLE, 3),
                              output_of(moved, BALL, CAGEFORM_DOUBLE, 3), &to_jacobians, NULL) == CAGEFORM_OK);
     for (n = 0; n < BALL; ++n) {
-        const double x = moved[n][0] / 0.5, y = moved[n][1] / 0.8, z = moved[n][2] / 1.2;
+        const double x = moved[n][0] / 0.15, y = moved[n][1] / 0.25, z = moved[n][2] / 1.2;
         inside_target += x * x + y * y + z * z < 1;
     }
     CHECK(inside_target == 0);

@@ -15,16 +15,16 @@ namespace {
 
 /// Two ellipsoids, the target with a bump; points of the source's clothes; a cage of the source.
 struct Figures {
-    MeshData source = sphere(3), target = sphere(3), box = divided_box({1.2, 1.2, 2.4}, 1);
+    MeshData source = sphere(3), target = sphere(3), box = divided_box({1, 1, 2}, 1.2);
     std::vector<std::uint32_t> indices, box_indices;
     std::vector<Vec<double, 3>> clothes;
     std::vector<cageform_landmark> landmarks;
 
     explicit Figures(Random random) {
         const double bump = random.uniform(0.1, 0.2);
-        for (auto& v : source.vertices) v = {0.4 * v[0], 0.4 * v[1], v[2]};
+        for (auto& v : source.vertices) v = {0.15 * v[0], 0.15 * v[1], v[2]};
         for (auto& v : target.vertices)
-            v = {3 + 0.5 * v[0] * (1 + bump * v[2]), 0.35 * v[1], 1.1 * v[2] + bump * v[0]};
+            v = {3 + 0.2 * v[0] * (1 + bump * v[2]), 0.13 * v[1], 1.1 * v[2] + bump * v[0] * v[2]};
         for (const auto& v : source.vertices) {
             if (random.below(3) == 0) clothes.push_back(1.04 * v);
         }

@@ -276,9 +276,10 @@ namespace Cageform
         ///   landmarks       6 numbers each: a point of the source, and its place on the target; or null
         ///   otherPose       source and target have different poses; needs landmarks
         ///   finest          spans of the finest lattice along the target's height: 6, 12, 24, … 96
+        ///   refineContacts  a finer lattice where parts touch, such as thighs; takes twice the time
         ///   threads         0: only the calling thread
         public Wrap(float[] source, int[] sourceFaces, float[] target, int[] targetFaces, float[] follow = null,
-                    double[] landmarks = null, bool otherPose = false, int finest = 24, int threads = 0)
+                    double[] landmarks = null, bool otherPose = false, int finest = 24, bool refineContacts = false, int threads = 0)
         {
             double[] marks = Landmarks(landmarks);
             using (var from = new Pinned(source, 3, "source"))
@@ -291,7 +292,8 @@ namespace Cageform
                 Native.Drawing one = Native.DrawingOf(from, fromFaces, sourceFaces), other = Native.DrawingOf(to, toFaces, targetFaces);
                 var options = new Native.WrapOptions { size = Native.SizeOf<Native.WrapOptions>(), landmarks = pinnedMarks.Address,
                                                        landmark_count = (UIntPtr)(marks.Length / 7), follow = followers.View,
-                                                       other_pose = otherPose ? 1 : 0, finest = (uint)Native.Index(finest, "finest") };
+                                                       other_pose = otherPose ? 1 : 0, refine_contacts = refineContacts ? 1 : 0,
+                                                       finest = (uint)Native.Index(finest, "finest") };
                 var running = new Native.Running { size = Native.SizeOf<Native.Running>(), threads = (uint)Native.Index(threads, "threads") };
                 AlignedBytes report = Native.NewReport();
                 try
@@ -490,8 +492,8 @@ namespace Cageform
             internal IntPtr landmarks;
             internal UIntPtr landmark_count;
             internal Points follow;
-            internal int keep_place, other_pose;
-            internal uint finest, reserved;
+            internal int keep_place, other_pose, refine_contacts;
+            internal uint finest;
             internal double least_stiffness, floor, residual;
         }
         [StructLayout(LayoutKind.Sequential)]

@@ -810,10 +810,10 @@ typedef struct cageform_wrap_options {
     cageform_points follow; /* points that will follow, such as the vertices of clothes; no data: none */
     int keep_place;         /* 1: the source is not scaled and moved to the target first */
     int other_pose;         /* 1: source and target have different poses; needs landmarks */
+    int refine_contacts;    /* 1: a finer lattice where parts touch; twice the time; without coordinates only */
     /* Spans of the finest lattice along the target's height: 6, 12, 24, … up to 96; 0: 24. With coordinates
      * lattices begin at 12, and 6 is the cage alone. */
     uint32_t finest;
-    uint32_t reserved;
     double least_stiffness; /* the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5 */
     double floor;           /* lower bound of the map's least singular value; 0: 0.1 */
     double residual;        /* ends the search below this report.to_target_upper; 0: never */

@@ -251,6 +251,8 @@ export interface WrapOptions {
   /** Spans of the finest lattice along the target's height: 6, 12, 24 (default) … 96. With coordinates lattices begin at 12,
    *  and 6 is the cage alone. */
   finest?: number;
+  /** A finer lattice where parts touch, such as thighs; takes twice the time; without coordinates only. */
+  refineContacts?: boolean;
   /** The search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5. */
   leastStiffness?: number;
   /** Lower bound of the map's least singular value; 0: 0.1. */

@@ -7,7 +7,9 @@ import { described } from './figures.js';
 import { classOf, indices, number, numbers, options, points, progressOf, whole } from './numbers.js';
 
 const OPTIONS =
-  'landmarks weights follow coordinates align otherPose finest leastStiffness floor residual progress'.split(' ');
+  'landmarks weights follow coordinates align otherPose finest refineContacts leastStiffness floor residual progress'.split(
+    ' ',
+  );
 
 export class Wrap extends Owner {
   /** Internal: wrap() makes wraps. */
@@ -89,6 +91,7 @@ export function wrap(source, sourceFaces, target, targetFaces, chosen) {
     align = true,
     otherPose = false,
     finest = 24,
+    refineContacts = false,
     leastStiffness = 0,
     floor = 0,
     residual = 0,
@@ -106,6 +109,7 @@ export function wrap(source, sourceFaces, target, targetFaces, chosen) {
     landmarkCount: marks.length,
     keepPlace: !align,
     otherPose: Boolean(otherPose),
+    refineContacts: Boolean(refineContacts),
     finest: whole(finest, 'finest', 6),
     leastStiffness: number(leastStiffness, 'leastStiffness'),
     floor: number(floor, 'floor'),

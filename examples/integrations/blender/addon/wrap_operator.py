@@ -34,6 +34,8 @@ class WrapOnto(Work):
                                                                 'Empty: the only other selected mesh')
     detail: bpy.props.EnumProperty(name='Detail', default='24', items=[
         ('12', 'Low', 'Fastest'), ('24', 'Medium', 'For bodies'), ('48', 'High', 'Slowest; for targets without noise')])
+    refine_contacts: bpy.props.BoolProperty(name='Refine Contacts', description='Works more finely where parts touch, such as '
+                                                                                'thighs. Takes twice the time')
 
     @classmethod
     def poll(cls, context):
@@ -47,6 +49,7 @@ class WrapOnto(Work):
     def draw(self, context):
         self.layout.prop_search(self, 'target', context.scene, 'objects')
         self.layout.prop(self, 'detail')
+        self.layout.prop(self, 'refine_contacts')
 
     def execute(self, context):
         to_object_mode(context)
@@ -61,14 +64,14 @@ class WrapOnto(Work):
         places = [world_rest(item) for item in self.items]
         faces = outwards(triangles_of(source.data), source)
         wanted, wanted_faces = shown_triangles(target, context.evaluated_depsgraph_get())
-        wanted_faces, finest = outwards(wanted_faces, target), int(self.detail)
+        wanted_faces, options = outwards(wanted_faces, target), {'finest': int(self.detail), 'refine_contacts': self.refine_contacts}
         if not len(faces) or not len(wanted_faces):
             self.report({'ERROR'}, '"%s" has no faces.' % (source if not len(faces) else target).name)
             return {'CANCELLED'}
 
         def work(**running):
             wrap = library.wrap(places[0], faces, wanted, wanted_faces, follow=np.concatenate(places[1:] or [places[0][:0]]),
-                                finest=finest, **running)
+                                **options, **running)
             return wrap.report, [wrap.move(points) for points in places]
 
         return self.start(context, work)

@@ -94,6 +94,7 @@ inline cageform_status copy_options(const cageform_wrap_options& given, std::vec
     options.follow = follow;
     options.align = given.keep_place == 0;
     options.other_pose = given.other_pose != 0;
+    options.refine_contacts = given.refine_contacts != 0;
     if (given.finest != 0) options.finest = given.finest;
     if (given.least_stiffness != 0) options.least_stiffness = given.least_stiffness;
     if (given.floor != 0) options.floor = given.floor;

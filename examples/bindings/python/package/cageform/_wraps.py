@@ -102,8 +102,8 @@ def _landmarks(pairs: Optional[npt.ArrayLike], weights: Optional[npt.ArrayLike])
 def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLike, target_faces: npt.ArrayLike,
          landmarks: Optional[npt.ArrayLike] = None, follow: Optional[npt.ArrayLike] = None,
          coordinates: Optional[Coordinates] = None, weights: Optional[npt.ArrayLike] = None, align: bool = True,
-         other_pose: bool = False, finest: int = 24, least_stiffness: float = 0, floor: float = 0, residual: float = 0,
-         threads: Optional[int] = None, progress: Progress = None) -> Wrap:
+         other_pose: bool = False, finest: int = 24, refine_contacts: bool = False, least_stiffness: float = 0,
+         floor: float = 0, residual: float = 0, threads: Optional[int] = None, progress: Progress = None) -> Wrap:
     """Finds a map of space that lays a source on a target. Clothes, hair and joints of the source follow by Wrap.move:
 
         wrapped = cageform.wrap(body, body_faces, scan, scan_faces, follow=clothes)
@@ -120,6 +120,7 @@ def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLi
     other_pose        source and target have different poses; needs landmarks
     finest            spans of the finest lattice along the target's height: 6, 12, 24, … up to 96. With coordinates
                       lattices begin at 12, and 6 is the cage alone
+    refine_contacts   a finer lattice where parts touch, such as thighs; takes twice the time; without coordinates only
     least_stiffness   the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5
     floor             lower bound of the map's least singular value; 0: 0.1
     residual          ends the search below this report.to_target_upper; 0: never
@@ -132,7 +133,7 @@ def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLi
         raise ValueError('finest: must be 6, 12, 24, …, not %d' % finest)
     given, wanted = _mesh(source, source_faces, 'source'), _mesh(target, target_faces, 'target')
     options = arrays.struct(_c.cageform_wrap_options, keep_place=not align, other_pose=other_pose, finest=finest,
-                            least_stiffness=least_stiffness, floor=floor, residual=residual)
+                            refine_contacts=refine_contacts, least_stiffness=least_stiffness, floor=floor, residual=residual)
     marks = _landmarks(landmarks, weights)
     options.landmarks, options.landmark_count = arrays.pointer(marks, _c.cageform_landmark), len(marks)
     followers = None if follow is None else arrays.points(follow, 'follow', 3)
