@@ -8,6 +8,12 @@
 // materials, textures, morph targets and two animations (character/character_gltf.hpp). Either output is
 // optional. The puppet is a smooth union of rounded bodies, meshed by surface nets
 // (support/pictures/surface_nets.hpp). The ground is y = 0, y is up, and the puppet faces along z.
+//
+//     make_character out --girth 1.5 --child 0.4 --followers
+//
+// writes the files of a puppet with another body in the same T-pose (character/puppet.hpp). --followers also
+// writes out/character_tights.obj, out/character_skirt.obj and out/character.landmarks.csv: what follows a
+// body that is laid on another.
 
 #include "character/character_gltf.hpp"
 #include "cli/command_line.hpp"
@@ -38,6 +44,7 @@ using Point = cageform::Vec<double, 3>;
 
 using Mesh = cageform_support::ImplicitMesh;
 using cageform_programs::puppet;
+using cageform_programs::PuppetShape;
 using cageform_programs::ramp;
 using cageform_support::fail;
 using cageform_support::length;
@@ -70,10 +77,11 @@ constexpr std::array<SheetPoint, 28> sheet{{
 struct Cage {
     Mesh mesh;
     std::vector<SheetPoint> origin; // of every vertex; x and column are negative on the right
+    PuppetShape shape;
 };
 
-Cage make_cage() {
-    Cage cage;
+Cage make_cage(const PuppetShape& shape) {
+    Cage cage{{}, {}, shape};
     std::map<std::pair<int, int>, std::uint32_t>
         front; // by column and row; the back vertex has the next index
     for (const int side : {1, -1}) {
@@ -81,8 +89,8 @@ Cage make_cage() {
             p.column *= side;
             p.x *= side;
             front[{p.column, p.row}] = std::uint32_t(cage.mesh.vertices.size());
-            cage.mesh.vertices.push_back({p.x, p.y, p.front});
-            cage.mesh.vertices.push_back({p.x, p.y, p.back});
+            for (const double z : {p.front, p.back})
+                cage.mesh.vertices.push_back(shaped({p.x, p.y, z}, shape));
             cage.origin.insert(cage.origin.end(), 2, p);
         }
     }
@@ -145,33 +153,39 @@ constexpr Joints waving{
 
 /// The posed position of a cage vertex. Near a joint a vertex rotates by a fraction of the angle, so the cage
 /// bends smoothly. Outer joints are applied first, then inner joints.
-Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
+Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints, const PuppetShape& shape) {
     constexpr std::size_t x = 0, y = 1, z = 2; // axes
     const double out = std::fabs(origin.x), side = origin.x < 0 ? -1 : 1;
     const std::size_t of_side = origin.x > 0 ? 0 : 1;
     Point p = rest;
+    // Short and thick limbs turn less, so that no parts of the cage meet.
+    const double share = (1 - 0.15 * shape.child) * (1 - 0.6 * std::max(shape.girth - 1, 0.0));
+    const auto turn_about = [&](const Point& joint, std::size_t axis, double degrees) {
+        p = rotated(p, shaped(joint, shape), axis, share * degrees);
+    };
     if (origin.row == 6 || origin.row == 7) {
         const double forearm = ramp(0.44, 0.66, out), arm = ramp(0.2, 0.42, out);
         const Point elbow{side * 0.545, 1.325, 0}, shoulder{side * 0.23, 1.325, 0};
         const auto& turn = joints.arms[of_side];
-        p = rotated(p, elbow, y, turn.forward * forearm);
-        p = rotated(p, elbow, z, turn.elbow * forearm);
-        p = rotated(p, shoulder, z, turn.shoulder * arm);
+        turn_about(elbow, y, turn.forward * forearm);
+        turn_about(elbow, z, turn.elbow * forearm);
+        turn_about(shoulder, z, turn.shoulder * arm);
     }
     if (origin.row <= 4) {
         const double shin = ramp(0.6, 0.32, origin.y), thigh = ramp(0.88, 0.56, origin.y);
         const Point knee{side * 0.178, 0.46, 0}, hip{side * 0.15, 0.83, 0};
         const auto& turn = joints.legs[of_side];
-        p = rotated(p, knee, x, turn.knee * shin);
-        p = rotated(p, hip, x, turn.hip * thigh);
-        p = rotated(p, hip, z, turn.aside * thigh);
+        turn_about(knee, x, turn.knee * shin);
+        turn_about(hip, x, turn.hip * thigh);
+        turn_about(hip, z, turn.aside * thigh);
     }
     const double head = ramp(1.43, 1.54, origin.y), chest = ramp(0.82, 1.4, origin.y);
-    p = rotated(p, {0, 1.5, 0}, y, joints.head[0] * head);
-    p = rotated(p, {0, 1.5, 0}, z, joints.head[1] * head);
-    p = rotated(p, {0, 0.9, 0}, y, joints.chest[0] * chest);
-    p = rotated(p, {0, 0.9, 0}, x, joints.chest[1] * chest);
-    return rotated(p, {0, 0.9, 0}, z, joints.chest[2] * chest) + joints.shift;
+    turn_about({0, 1.5, 0}, y, joints.head[0] * head);
+    turn_about({0, 1.5, 0}, z, joints.head[1] * head);
+    turn_about({0, 0.9, 0}, y, joints.chest[0] * chest);
+    turn_about({0, 0.9, 0}, x, joints.chest[1] * chest);
+    turn_about({0, 0.9, 0}, z, joints.chest[2] * chest);
+    return p + joints.shift;
 }
 
 constexpr double dance_length = 2.4; // seconds
@@ -204,10 +218,10 @@ Joints dancing(double part) {
 // ---- the bones ----
 
 /// The bones in the format of skin_mesh. The left arm is bent.
-std::string bones_text() {
+std::string bones_text(const PuppetShape& shape) {
     std::string text = "# The puppet's bones\n"
                        "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n";
-    const auto bones = cageform_programs::puppet_bones();
+    const auto bones = cageform_programs::puppet_bones(shape);
     for (const auto& bone : bones) {
         text += bone.name + ',' + (bone.parent == bone.none ? std::string() : bones[bone.parent].name);
         for (const Point& p : {bone.head, bone.tail, bone.turn}) {
@@ -215,6 +229,14 @@ std::string bones_text() {
         }
         text += '\n';
     }
+    return text;
+}
+
+/// The landmarks: a name and a place in each row.
+std::string landmarks_text(const PuppetShape& shape) {
+    std::string text = "# Places on the puppet's skin, and its joints\nname,x,y,z\n";
+    for (const auto& [name, p] : cageform_programs::puppet_landmarks(shape))
+        text += name + cageform_support::formatted(",%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
     return text;
 }
 
@@ -245,7 +267,7 @@ void check(const Mesh& mesh, const char* what) {
 Mesh posed_cage(const Cage& cage, const Joints& joints) {
     Mesh pose = cage.mesh;
     for (std::size_t i = 0; i < pose.vertices.size(); ++i)
-        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], joints);
+        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], joints, cage.shape);
     return pose;
 }
 
@@ -294,8 +316,9 @@ struct Written {
 };
 
 /// Writes the files of the folder.
-void write_folder(const std::filesystem::path& folder, const Mesh& figure, Written& written) {
-    const Cage cage = make_cage();
+void write_folder(const std::filesystem::path& folder, const Mesh& figure, const PuppetShape& shape,
+                  bool has_followers, Written& written) {
+    const Cage cage = make_cage(shape);
     const Mesh pose = posed_cage(cage, waving);
     const auto dance = dance_of(cage);
     check(cage.mesh, "the cage");
@@ -308,7 +331,8 @@ void write_folder(const std::filesystem::path& folder, const Mesh& figure, Writt
         throw cageform_support::Failure("cannot make the folder " + folder.string() + ": " + error.message());
     std::vector<Point> normals;
     for (const Point& p : figure.vertices) {
-        const Point g = cageform_support::slope(puppet, p);
+        const Point g =
+            cageform_support::slope([&](const Point& at) { return puppet(unshaped(at, shape)); }, p);
         normals.push_back((1 / length(g)) * g);
     }
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
@@ -327,7 +351,11 @@ void write_folder(const std::filesystem::path& folder, const Mesh& figure, Writt
     write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
     write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
           std::to_string(keys) + " poses of the cage in 2.4 s");
-    write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
+    write("character.bones.csv", bones_text(shape), "18 bones, and a pose of them");
+    if (!has_followers) return;
+    write_mesh("character_tights.obj", "The puppet's tights", cageform_programs::puppet_tights(shape), {});
+    write_mesh("character_skirt.obj", "The puppet's skirt", cageform_programs::puppet_skirt(shape), {});
+    write("character.landmarks.csv", landmarks_text(shape), "places on the skin, and joints");
 }
 
 /// Writes the character as glTF.
@@ -346,23 +374,38 @@ int run_program(int argc, char** argv) {
     cageform_support::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
                                        "files, a dance of the cage, and bones. Also makes the puppet as glTF "
                                        "with a skeleton, materials and animations.");
-    line.set_examples({"out", ".", "-o character.glb"});
+    line.set_examples({"out", ".", "out --girth 1.5 --child 0.4 --followers", "-o character.glb"});
     std::string folder, out;
+    PuppetShape shape;
+    bool has_followers = false;
     line.add("folder", folder,
              "where character.obj, character_cage.obj, character_pose.obj, character_clip.csv and "
              "character.bones.csv are written");
-    line.add("-o,--output", out,
-             "write the puppet as a character of a game: .glb or .gltf with named joints, a skin, "
-             "materials, textures, morph targets, and the animations walk and greeting")
-        .ends_with({".glb", ".gltf"});
+    const auto output =
+        line.add("-o,--output", out,
+                 "write the puppet as a character of a game: .glb or .gltf with named joints, a skin, "
+                 "materials, textures, morph targets, and the animations walk and greeting; with girth 1 and "
+                 "child 0")
+            .ends_with({".glb", ".gltf"});
+    line.add("--girth", shape.girth, "how thick the trunk and the limbs are: 1 is the usual puppet")
+        .range(PuppetShape::least_girth, PuppetShape::most_girth)
+        .show_default()
+        .excludes(output);
+    line.add("--child", shape.child, "proportions from those of an adult (0) to those of a child (1)")
+        .range(0.0, 1.0)
+        .show_default()
+        .excludes(output);
+    line.add_flag("--followers", has_followers,
+                  "also write what follows a body that is laid on another: character_tights.obj, "
+                  "character_skirt.obj and character.landmarks.csv");
     if (const auto code = line.parse(argc, argv)) return *code;
     if (folder.empty() && out.empty()) return fail("give a folder, or a file by -o");
+    if (folder.empty() && has_followers) return fail("--followers: give a folder");
 
-    const Mesh figure =
-        cageform_support::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
+    const Mesh figure = cageform_programs::puppet_mesh(shape);
     check(figure, "the figure");
     Written written;
-    if (!folder.empty()) write_folder(folder, figure, written);
+    if (!folder.empty()) write_folder(folder, figure, shape, has_followers, written);
     if (!out.empty()) write_gltf(out, figure, written);
     cageform_support::fail_if(written.files.commit());
     std::cout << written.summary;

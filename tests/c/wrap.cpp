@@ -247,9 +247,8 @@ TEST_CASE("wraps refuse wrong objects, and moves write all or nothing", "[c]") {
     auto options = sized<cageform_wrap_options>();
     options.finest = 6; // the cage alone
     Owned<cageform_wrap> wrap, none;
-    Owned<cageform_coordinates> coordinates, sites, plane;
+    Owned<cageform_coordinates> coordinates, plane;
     its.make_coordinates<float>(CAGEFORM_MEAN_VALUE, coordinates);
-    its.make_coordinates<float>(CAGEFORM_SIBSON, sites);
     const std::vector<Vec<double, 2>> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     auto polygon = sized<cageform_cage>();
     polygon.vertices = points_of(square);
@@ -260,7 +259,6 @@ TEST_CASE("wraps refuse wrong objects, and moves write all or nothing", "[c]") {
     };
     REQUIRE(fit(coordinates.object, wrap) == CAGEFORM_OK);
     CHECK(fit(plane.object, none) == CAGEFORM_DIMENSION_DIFFERS);
-    CHECK(fit(sites.object, none) == CAGEFORM_GRADIENTS_NOT_SUPPORTED);
     CHECK(fit(wrap.object, none) == CAGEFORM_OBJECT_OF_ANOTHER_KIND);
     CHECK(none.object == nullptr);
 

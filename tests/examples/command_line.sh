@@ -541,6 +541,17 @@ grep -q 'character_cage.obj: 112 vertices, 220 faces$' log && ok=yes || ok=no
 report $ok "the character's cage has 112 vertices"
 refuses 'cannot make the folder' "$programs/make_character" square.csv
 refuses 'folder' "$programs/make_character"
+refuses '--followers: give a folder' "$programs/make_character" -o out.glb --followers
+refuses '--girth: Value 1.6 not in range' "$programs/make_character" folder/fat --girth 1.6
+refuses '--child: Value -0.1 not in range' "$programs/make_character" folder/fat --child -0.1
+refuses '--output excludes --child' "$programs/make_character" -o out.glb --child 1
+works "a fat child with clothes" "$programs/make_character" folder/fat --girth 1.3 --child 1 --followers
+for name in character character_tights character_skirt; do
+  [ "$(grep -c '^v ' folder/fat/$name.obj)" -gt 1000 ] && ok=yes || ok=no
+  report $ok "the fat child has $name.obj"
+done
+[ "$(grep -c '^[^#]' folder/fat/character.landmarks.csv)" = 34 ] && ok=yes || ok=no
+report $ok "the fat child has 15 places on its skin and 18 joints"
 for name in character character_cage character_pose; do cp folder/character/$name.obj .; done
 for type in mean-value harmonic green; do
   works "deform the character, $type" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed_$type.obj --report --picture posed.png

@@ -7,7 +7,6 @@
 namespace closest_places_tests {
 
 using namespace cageform_tests;
-using cageform::ClosestPlace;
 using cageform::ClosestPlaces;
 using cageform::SurfaceMesh;
 using cageform::detail::nearest_on_triangle;
@@ -91,7 +90,7 @@ TEST_CASE("the nearest place of a surface is the nearest of all faces, with any 
         }
         const auto guess = std::uint32_t(random.below(400));
         for (const std::uint32_t of : {cageform::no_vertex, guess}) {
-            const ClosestPlace at = surface.find(p, normal, of);
+            const ClosestPlaces::Place at = surface.find(p, normal, of);
             REQUIRE(at.face < mesh.faces().size());
             const auto& face = mesh.faces()[at.face];
             V mixed{};
@@ -116,7 +115,7 @@ TEST_CASE("distances from a surface are exact, and invariant to the order of fac
     for (int n = 0; n < 500; ++n)
         points.push_back(random.uniform(1.1, 3) * data.vertices[random.below(data.vertices.size())]);
     const SurfaceMesh mesh(data.vertices, data.faces);
-    const auto distances = distances_to(ClosestPlaces(mesh.vertices(), mesh.faces()), points);
+    const auto distances = ClosestPlaces(mesh.vertices(), mesh.faces()).distances(points);
     std::vector<double> expected; // a vertex is the nearest place of the points above it
     for (const V& p : points) expected.push_back(std::sqrt(dot(p, p)) - 1);
     const double mean = std::accumulate(expected.begin(), expected.end(), 0.0) / 500;
@@ -128,10 +127,10 @@ TEST_CASE("distances from a surface are exact, and invariant to the order of fac
     auto faces = data.faces;
     std::reverse(faces.begin(), faces.end());
     const SurfaceMesh other(data.vertices, faces);
-    const auto again = distances_to(ClosestPlaces(other.vertices(), other.faces()), points);
+    const auto again = ClosestPlaces(other.vertices(), other.faces()).distances(points);
     CHECK(std::fabs(again.mean - distances.mean) <= 1e-14);
 
-    const auto none = distances_to(ClosestPlaces{}, points);
+    const auto none = ClosestPlaces{}.distances(points);
     CHECK((none.mean == 0 && none.largest == 0));
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
-// The puppet of make_character: its solid and its bones. The ground is y = 0, y is up, and the puppet faces
-// along z, so that its left side has x > 0. Units are metres.
+// The puppet of make_character: its solid, shapes, clothes, bones and landmarks. The ground is y = 0, y is
+// up, and the puppet faces along z, so that its left side has x > 0. Units are metres.
 
 #include "pictures/surface_nets.hpp"
+
+#include <cageform/cage/triangle_mesh.hpp>
 
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 
 namespace cageform_programs {
 
+using cageform_support::ImplicitMesh;
 using cageform_support::Point3;
 
 /// Smooth step: 0 up to `from`, 1 beyond `to`; `to` may be less than `from`.
@@ -19,7 +22,7 @@ inline double ramp(double from, double to, double x) {
     return t * t * (3 - 2 * t);
 }
 
-/// A function that is negative inside the puppet.
+/// A function that is negative inside the puppet of the default shape.
 inline double puppet(const Point3& at) {
     using cageform_support::ball;
     using cageform_support::carve;
@@ -54,6 +57,118 @@ inline double puppet(const Point3& at) {
     return join(body, head, 0.03);
 }
 
+// ---- shapes ----
+
+/// The shape of a puppet's body.
+struct PuppetShape {
+    static constexpr double least_girth = 0.7, most_girth = 1.5;
+
+    double girth = 1; ///< of the trunk and the limbs, in [least_girth, most_girth]
+    double child = 0; ///< proportions: 0 for an adult to 1 for a child
+};
+
+/// The shift of a point of the default puppet to the same point of the puppet of another shape.
+inline Point3 shape_shift(const Point3& p, const PuppetShape& shape) {
+    const double side = p[0] < 0 ? -1 : 1, x = std::fabs(p[0]), y = p[1], z = p[2];
+    const double thick = shape.girth - 1;
+    const double trunk = ramp(0.6, 1, y) * ramp(1.55, 1, y);
+    const double arm = ramp(0.2, 0.42, x) * ramp(0.75, 1.2, y);
+    const double leg = ramp(0.08, 0.25, y) * ramp(1, 0.6, y);
+    const double head = 0.15 * shape.child * ramp(1.46, 1.6, y);
+    const double wide =
+        thick * (0.2 * std::tanh(x / 0.2) * trunk + 0.5 * leg * ramp(0, 0.1, x) * (x - 0.17)) -
+        0.15 * shape.child * ramp(0.2, 0.85, x);
+    const double up =
+        0.5 * thick * arm * (y - 1.325) + head * (y - 1.5) -
+        shape.child * (0.12 * (ramp(0.08, 0.5, y) + ramp(0.45, 0.9, y)) + 0.1 * ramp(0.8, 1.4, y));
+    const double deep = thick * (trunk * (1 - arm) + 0.5 * std::max(arm, leg));
+    return {side * (wide + head * x), up, (deep + head) * z};
+}
+
+/// The point of the puppet of a shape that corresponds to a point of the default puppet.
+inline Point3 shaped(const Point3& p, const PuppetShape& shape) {
+    return p + shape_shift(p, shape);
+}
+
+/// The inverse of shaped(), by iteration, which converges for shapes in their ranges.
+inline Point3 unshaped(const Point3& p, const PuppetShape& shape) {
+    Point3 at = p;
+    for (int step = 0; step < 100; ++step) {
+        const Point3 next = p - shape_shift(at, shape);
+        const double way = cageform_support::length(next - at);
+        at = next;
+        if (way < 1e-10) break;
+    }
+    return at;
+}
+
+/// The skin of a puppet, by surface nets.
+///
+///   cell   edge length of the grid's cells; down to 3/4 of it where the mesh would else be no manifold,
+///          because thin details meet in a cell
+inline ImplicitMesh puppet_mesh(const PuppetShape& shape = {}, double cell = 0.0218) {
+    const double more = std::max(shape.girth - 1, 0.0), wide = 1.05 + 0.1 * more, deep = 1 + more;
+    for (double share = 1;; share -= 0.03) {
+        ImplicitMesh mesh = cageform_support::surface_nets(
+            [&](const Point3& p) { return puppet(unshaped(p, shape)); }, {-wide, -0.05, -0.25 * deep},
+            {wide, 1.95, 0.3 * deep}, share * cell);
+        const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
+        if (report.status == cageform::Status::ok || share < 0.78) return mesh;
+    }
+}
+
+// ---- clothes: open surfaces outside the skin ----
+
+/// The part between two heights of the surface where a function of the default puppet's space is 0.
+template <class F>
+ImplicitMesh puppet_cloth(const F& solid, double low, double high, const PuppetShape& shape, double cell) {
+    const double wide = 0.5 * std::max(shape.girth, 1.0);
+    const auto below = [&](const Point3& p) {
+        const Point3 at = unshaped(p, shape);
+        return std::max(solid(at), at[1] - high - 3 * cell);
+    };
+    const ImplicitMesh whole =
+        cageform_support::surface_nets(below, {-wide, -0.1, -wide}, {wide, high + 5 * cell, wide}, cell);
+    const double near = cell / 4; // vertices so close to an end move onto it, to avoid narrow faces
+    std::vector<Point3> places;
+    std::vector<bool> is_between;
+    for (const Point3& p : whole.vertices) {
+        Point3 at = unshaped(p, shape);
+        is_between.push_back(at[1] > low + near && at[1] < high - near);
+        if (!is_between.back()) at[1] = at[1] < (low + high) / 2 ? low : high;
+        places.push_back(shaped(at, shape));
+    }
+    ImplicitMesh cloth;
+    std::vector<std::uint32_t> index(places.size(), ~std::uint32_t{0});
+    for (auto face : whole.faces) {
+        if (!is_between[face[0]] && !is_between[face[1]] && !is_between[face[2]]) continue;
+        for (std::uint32_t& corner : face) {
+            if (index[corner] == ~std::uint32_t{0}) {
+                index[corner] = std::uint32_t(cloth.vertices.size());
+                cloth.vertices.push_back(places[corner]);
+            }
+            corner = index[corner];
+        }
+        cloth.faces.push_back(face);
+    }
+    return cloth;
+}
+
+/// Tights from the ankles to the waist, about 1 cm outside the skin.
+inline ImplicitMesh puppet_tights(const PuppetShape& shape = {}, double cell = 0.0218) {
+    return puppet_cloth([](const Point3& p) { return puppet(p) - 0.012; }, 0.17, 0.96, shape, cell);
+}
+
+/// A skirt from above the knees to the waist, outside the tights.
+inline ImplicitMesh puppet_skirt(const PuppetShape& shape = {}, double cell = 0.0218) {
+    const auto solid = [](const Point3& p) {
+        const double cone =
+            cageform_support::limb({p[0], p[1], 1.25 * p[2]}, {0, 0.95, 0}, {0, 0.55, 0}, 0.19, 0.34);
+        return cageform_support::join(puppet(p) - 0.024, cone, 0.05);
+    };
+    return puppet_cloth(solid, 0.56, 0.95, shape, cell);
+}
+
 /// A bone from its joint, the head, to its tail.
 struct PuppetBone {
     static constexpr std::size_t none = ~std::size_t{0};
@@ -71,7 +186,7 @@ enum OfSide : std::size_t { shoulder, upper_arm, forearm, hand, thigh, shin, foo
 } // namespace bone
 
 /// The 18 bones. The left arm has a pose.
-inline std::vector<PuppetBone> puppet_bones() {
+inline std::vector<PuppetBone> puppet_bones(const PuppetShape& shape = {}) {
     std::vector<PuppetBone> bones{{"hips", PuppetBone::none, {0, 0.86, 0}, {0, 1.02, 0}},
                                   {"chest", bone::hips, {0, 1.02, 0}, {0, 1.38, 0}},
                                   {"neck", bone::chest, {0, 1.38, 0}, {0, 1.54, 0}},
@@ -93,7 +208,42 @@ inline std::vector<PuppetBone> puppet_bones() {
         add("shin", first + bone::thigh, {0.178, 0.46, 0.005}, {0.186, 0.1, -0.02}, {});
         add("foot", first + bone::shin, {0.186, 0.066, -0.02}, {0.196, 0.07, 0.15}, {});
     }
+    for (PuppetBone& bone : bones) {
+        bone.head = shaped(bone.head, shape);
+        bone.tail = shaped(bone.tail, shape);
+    }
     return bones;
+}
+
+struct PuppetLandmark {
+    std::string name;
+    Point3 place;
+};
+
+/// Places on the skin, then the joints: the bones' heads.
+inline std::vector<PuppetLandmark> puppet_landmarks(const PuppetShape& shape = {}) {
+    std::vector<PuppetLandmark> landmarks;
+    const auto add = [&](const std::string& name, Point3 p) {
+        for (int step = 0; step < 20; ++step) { // onto the surface, by Newton's method
+            const Point3 g = cageform_support::slope(puppet, p);
+            p = p - (puppet(p) / dot(g, g)) * g;
+        }
+        landmarks.push_back({name, shaped(p, shape)});
+    };
+    add("crown", {0, 1.9, 0.005});
+    add("chin", {0, 1.54, 0.11});
+    add("crotch", {0, 0.76, 0});
+    for (const double side : {1.0, -1.0}) {
+        const std::string of = side > 0 ? "left " : "right ";
+        add(of + "finger tip", {1 * side, 1.325, 0});
+        add(of + "elbow", {0.545 * side, 1.325, -0.07});
+        add(of + "armpit", {0.24 * side, 1.24, 0});
+        add(of + "knee", {0.178 * side, 0.46, 0.08});
+        add(of + "heel", {0.19 * side, 0.06, -0.1});
+        add(of + "toe", {0.196 * side, 0.07, 0.22});
+    }
+    for (const PuppetBone& bone : puppet_bones(shape)) landmarks.push_back({bone.name + " joint", bone.head});
+    return landmarks;
 }
 
 } // namespace cageform_programs

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/detail/sampled_coordinates.hpp>
 #include <cageform/binding/pose_samples/sample_clusters.hpp>
 #include <cageform/binding/pose_samples/sample_lattice.hpp>
 #include <cageform/binding/pose_samples/sample_sums.hpp>
@@ -11,6 +10,12 @@
 #include <cageform/core/detail/face_handles.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Coordinates with gradients; AnyCoordinates report them at run time.
+template <class C>
+concept SampledCoordinates = GradientCoordinates<C> || requires(const C& c) {
+    { c.has_gradients() } -> std::same_as<bool>;
+};
 
 /// Whether weights are defined outside the cage.
 template <class C>

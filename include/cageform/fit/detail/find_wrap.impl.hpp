@@ -1,6 +1,7 @@
 // The implementation of `wrap`: checks, alignment, samples, stages, report.
 #pragma once
 
+#include <cageform/fit/detail/check_surface.hpp>
 #include <cageform/fit/detail/find_wrap.hpp>
 #include <cageform/fit/detail/target_noise.hpp>
 #include <cageform/fit/detail/wrap_frame.hpp>
@@ -10,8 +11,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the stages of the options; the cage first if there is one.
-inline std::vector<WrapStage> wrap_stages(const WrapOptions& options, bool has_cage) {
-    std::vector<WrapStage> stages = options.stages;
+inline std::vector<WrapOptions::Stage> wrap_stages(const WrapOptions& options, bool has_cage) {
+    std::vector<WrapOptions::Stage> stages = options.stages;
     if (stages.empty()) {
         if (has_cage)
             stages.push_back({0, {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0.05});
@@ -22,7 +23,7 @@ inline std::vector<WrapStage> wrap_stages(const WrapOptions& options, bool has_c
             if (cells == 24) stages.push_back({cells, {1e-5, 1e-6, 1e-7}, 0.03});
             if (cells > 24) stages.push_back({cells, {1e-7}, 0.03});
         }
-        for (WrapStage& stage : stages)
+        for (WrapOptions::Stage& stage : stages)
             std::erase_if(stage.stiffness, [&](double x) { return x < 0.99 * options.least_stiffness; });
         while (!stages.empty() && stages.back().stiffness.empty()) stages.pop_back();
     }
@@ -55,10 +56,10 @@ public:
             const double from = 0.1 + 0.85 * double(n) / double(stages.size()),
                          to = 0.1 + 0.85 * double(n + 1) / double(stages.size());
             status = run_stage(frame, stages, n, running.subtask(from, to));
-            if (report_.ended != WrapEnd::stages) break;
+            if (report_.ended != WrapReport::End::stages) break;
         }
         if (status == Status::ok && refines() && lattice_) {
-            report_.ended = WrapEnd::stages;
+            report_.ended = WrapReport::End::stages;
             status = refine_contacts(running.subtask(0.95, 0.99));
         }
         if (status != Status::ok && status != Status::cancelled) return status;
@@ -119,8 +120,9 @@ private:
         for (std::size_t n = 0; n < options_.follow.size(); ++n) {
             if (!is_finite(options_.follow[n])) return refuse(Status::value_not_finite, n);
         }
-        bool are_options_valid = options_.floor >= 0 && options_.floor < 1 && options_.residual >= 0;
-        for (const WrapStage& stage : wrap_stages(options_, cage_ != nullptr)) {
+        bool are_options_valid =
+            options_.samples > 0 && options_.floor >= 0 && options_.floor < 1 && options_.residual >= 0;
+        for (const WrapOptions::Stage& stage : wrap_stages(options_, cage_ != nullptr)) {
             are_options_valid = are_options_valid && stage.normal_length >= 0 &&
                                 is_finite(stage.normal_length) && stage.cells <= 96 &&
                                 (stage.cells > 0 || cage_ != nullptr);
@@ -150,15 +152,21 @@ private:
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
         GridSamples samples;
-        const Status status = sample_shell(scene_, source, spacing, shell, running, samples);
+        Status status = sample_shell(scene_, source, spacing, shell, running.subtask(0, 0.5), samples);
         if (status != Status::ok) return status;
+        if (samples.places.size() > options_.samples) {
+            const double wider = std::cbrt(double(samples.places.size()) / double(options_.samples));
+            samples = {};
+            status = sample_shell(scene_, source, wider * spacing, shell, running.subtask(0.5, 1), samples);
+            if (status != Status::ok) return status;
+        }
         scene_.samples.rest = std::move(samples.places);
         scene_.neighbours = std::move(samples.neighbours);
         report_.samples = scene_.samples.rest.size();
         find_guarded(source);
         for (MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.samples, &scene_.marks})
             points->start();
-        report_.start = distances_to(scene_.target, scene_.source.rest);
+        report_.start = scene_.target.distances(scene_.source.rest);
 
         std::vector<double> edges;
         for (const auto& f : target_.faces()) {
@@ -173,7 +181,7 @@ private:
     void find_guarded(const ClosestPlaces& source) {
         for (std::uint32_t i = 0; i < scene_.followers.rest.size(); ++i) {
             const Point& p = scene_.followers.rest[i];
-            const ClosestPlace at = source.find(p);
+            const ClosestPlaces::Place at = source.find(p);
             const auto corner =
                 std::size_t(std::max_element(at.weights.begin(), at.weights.end()) - at.weights.begin());
             const std::uint32_t vertex = scene_.source_faces[at.face][corner];
@@ -183,7 +191,7 @@ private:
         }
     }
 
-    Status run_stage(const WrapFrame& frame, const std::vector<WrapStage>& stages, std::size_t n,
+    Status run_stage(const WrapFrame& frame, const std::vector<WrapOptions::Stage>& stages, std::size_t n,
                      const Running& running) {
         constexpr std::size_t coarse_vertices = 5000;
         WrapStageOptions options{stages[n], options_.floor, options_.residual};
@@ -214,7 +222,12 @@ private:
     Status refine_contacts(const Running& running) {
         constexpr double off = 0.002, reach = 0.04, spacing = 1.0 / 100;
         WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice_->cell())), {1e-7}, 0.03},
-                                 options_.floor, 0, 0, false, true, true};
+                                 options_.floor,
+                                 0,
+                                 0,
+                                 false,
+                                 true,
+                                 true};
         LatticeRows rows;
         if (const Status status = lattice_->weights(scene_.source.now, rows); status != Status::ok)
             return status;
@@ -223,7 +236,7 @@ private:
         std::uint32_t guess = no_vertex;
         for (std::size_t i = 0; i < scene_.source.size(); ++i) {
             const Point moved = rows.product(i, lattice_pose_);
-            const ClosestPlace at = scene_.target.find(moved, {}, guess);
+            const ClosestPlaces::Place at = scene_.target.find(moved, {}, guess);
             guess = at.face;
             if (dot(moved - at.place, moved - at.place) > off * off) places.push_back(scene_.source.now[i]);
         }
@@ -256,7 +269,7 @@ private:
         WrapStageSolver<Basis> solver(scene_, basis, options, running);
         Status status = solver.run(pose, report_, report_.ended);
         const bool ends = is_finished || status == Status::cancelled ||
-                          (report_.ended != WrapEnd::stages && !refines());
+                          (report_.ended != WrapReport::End::stages && !refines());
         if (ends && (status == Status::ok || status == Status::cancelled)) {
             const Status moved = solver.finish(pose);
             if (moved != Status::ok) return moved;
@@ -295,7 +308,7 @@ private:
 
     void measure() {
         scene_.target.set_normal_length(0);
-        report_.to_target = distances_to(scene_.target, scene_.source.now);
+        report_.to_target = scene_.target.distances(scene_.source.now);
         if (report_.to_target.mean > report_.start.mean) return_to_start();
         const ClosestPlaces wrapped(scene_.source.now, scene_.source_faces);
         std::vector<Point> used;
@@ -303,7 +316,7 @@ private:
             const Point& normal = scene_.target.normals()[i];
             if (dot(normal, normal) > 0) used.push_back(scene_.target.vertices()[i]);
         }
-        report_.to_source = distances_to(wrapped, used);
+        report_.to_source = wrapped.distances(used);
         for (std::size_t n = 0; n < scene_.marks.size(); ++n) {
             const auto d = scene_.marks.now[n] - scene_.mark_targets[n];
             if (report_.missed != WrapReport::none && !(dot(d, d) > report_.miss * report_.miss)) continue;

@@ -59,7 +59,7 @@ public:
                     least = square;
                     best = n;
                 }
-                return least;
+                return with_ties(least);
             };
             if (guess != no_vertex) (void)visit(guess);
             tree.for_each_near(q, least, visit);
@@ -100,7 +100,7 @@ public:
     }
     /// Returns the move of a guarded follower to the target's surface; zero outside the target.
     Point guard_pull(std::size_t n, const Point& x, const Point& normal) {
-        const ClosestPlace at = scene_.target.find(x, normal, guard_faces_[n]);
+        const ClosestPlaces::Place at = scene_.target.find(x, normal, guard_faces_[n]);
         guard_faces_[n] = at.face;
         const double depth = at.face == no_vertex ? 0 : dot(at.place - x, at.normal);
         const bool counts =
@@ -145,7 +145,7 @@ private:
     static constexpr double match_radius = 0.03; ///< of matches that return, at rest
 
     struct Match {
-        ClosestPlace at;
+        ClosestPlaces::Place at;
         std::uint32_t back = no_vertex; ///< the vertex nearest to `at`, among the given ones
         bool is_match = false, returns = false;
     };

@@ -80,8 +80,8 @@ struct GridSamples {
 /// Samples the places of a grid that a test accepts. The grid is centred in the box, so that mirrored figures
 /// have mirrored samples. Throws std::bad_alloc.
 ///
-///   make_test  make_test() returns a function object: test(place) tells whether to keep a place. Each call of
-///              the loop's body makes one object
+///   make_test  make_test() returns a function object: test(place) tells whether to keep a place. Each call
+///              of the loop's body makes one object
 template <class MakeTest>
 Status sample_grid(const Bounds<double, 3>& box, double spacing, const MakeTest& make_test,
                    const Running& running, GridSamples& samples) {
@@ -94,8 +94,8 @@ Status sample_grid(const Bounds<double, 3>& box, double spacing, const MakeTest&
     }
     const std::size_t row = counts[0], rows = counts[1] * counts[2];
     const auto place = [&](std::size_t n) {
-        return lower +
-               spacing * Vec<double, 3>{double(n % row), double(n / row % counts[1]), double(n / row / counts[1])};
+        return lower + spacing * Vec<double, 3>{double(n % row), double(n / row % counts[1]),
+                                                double(n / row / counts[1])};
     };
     std::vector<char> is_sample(row * rows);
     const Status status = for_each_block(rows, running, [&](std::size_t begin, std::size_t end) {
@@ -122,9 +122,8 @@ class NearPoints {
 public:
     explicit NearPoints(std::span<const Vec<double, 3>> points)
         : points_(points)
-        , tree_(points.size(), [points](std::uint32_t i) {
-            return Bounds<double, 3>{points[i], points[i]};
-        }) {}
+        , tree_(points.size(),
+                [points](std::uint32_t i) { return Bounds<double, 3>{points[i], points[i]}; }) {}
 
     bool has(const Vec<double, 3>& p, double distance) const {
         bool found = false;
@@ -151,7 +150,7 @@ inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, 
     const NearPoints followers(scene.followers.rest);
     const auto make_test = [&] {
         return [&, guess = no_vertex](const Point& p) mutable {
-            const ClosestPlace at = source.find(p, {}, guess);
+            const ClosestPlaces::Place at = source.find(p, {}, guess);
             guess = at.face;
             const auto e = p - at.place;
             return dot(e, e) < shell * shell || dot(e, at.normal) < 0 || followers.has(p, shell);

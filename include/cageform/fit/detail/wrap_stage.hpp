@@ -21,7 +21,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 struct WrapStageOptions {
-    WrapStage stage;
+    WrapOptions::Stage stage;
     double floor = 0.1, residual = 0;
     double noise = 0; ///< of the target; 0: unknown or low
     bool first_by_landmarks = false, guards_followers = true, is_last = false;
@@ -50,7 +50,7 @@ public:
 
     /// Improves the pose (all handles of the basis). If cancelled, the pose is that of the last stiffness.
     /// Throws std::bad_alloc.
-    Status run(std::vector<Point>& pose, WrapReport& report, WrapEnd& ended) {
+    Status run(std::vector<Point>& pose, WrapReport& report, WrapReport::End& ended) {
         if (const Status status = prepare(pose); status != Status::ok) return status;
         WrapMatches matches(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
         std::vector<double> list = options_.stage.stiffness;
@@ -58,7 +58,7 @@ public:
         for (std::size_t n = 0; n < list.size(); ++n) {
             const double data = options_.first_by_landmarks && n == 0 ? 1e-3 : 1;
             if (options_.first_by_landmarks && n < 2) set_data(data);
-            WrapStep step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
+            WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
             Status status =
                 solve(list[n], data,
@@ -75,16 +75,16 @@ public:
             report.unmatched_source = matches.unmatched_source();
             report.unmatched_target = matches.unmatched_target();
             if (step.kept < 0.5) {
-                ended = WrapEnd::fold;
+                ended = WrapReport::End::fold;
                 break;
             }
             if (options_.noise > 0 && matches.back_residual(places_, normals_) <= options_.noise) {
-                ended = WrapEnd::noise;
+                ended = WrapReport::End::noise;
                 break;
             }
             if (options_.residual > 0 && options_.is_last &&
                 matches.upper_residual(places_) < options_.residual) {
-                ended = WrapEnd::residual;
+                ended = WrapReport::End::residual;
                 break;
             }
         }
@@ -183,7 +183,7 @@ private:
     }
 
     Status solve(double stiffness, double data, const Running& running, WrapMatches& matches,
-                 std::vector<Point>& pose, WrapStep& step) {
+                 std::vector<Point>& pose, WrapReport::Step& step) {
         constexpr int attempts = 3;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             sum_.set_sum(data_, stiffness, rigid_);
@@ -208,13 +208,15 @@ private:
 
     /// Returns false if cancelled.
     bool iterate(double stiffness, double data, double proximity, const Running& running,
-                 WrapMatches& matches, std::vector<Point>& pose, WrapStep& step) {
+                 WrapMatches& matches, std::vector<Point>& pose, WrapReport::Step& step) {
         constexpr int most = 25;
         constexpr double settled = 1e-4;
         const std::size_t blocks = block_count<double>(3 * unknowns_.size());
         Anderson anderson;
         anderson.reset(blocks, 5);
-        std::vector<Lanes<double>> from(blocks), to(blocks);
+        Lanes<double> zero; // the last block may be partly used
+        std::fill_n(zero.v, lane_count<double>, 0.0);
+        std::vector<Lanes<double>> from(blocks, zero), to(blocks, zero);
         std::vector<Point> right(basis_.size()), solution(unknowns_.size());
         for (int n = 0; n < most; ++n) {
             matches.find(places_, normals_, n % 5 == 0);
@@ -344,7 +346,7 @@ private:
     /// good positions, without a new solve.
     ///
     ///   good  the pose before the step, which the places keep to at least half of their stretches
-    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapStep& step) {
+    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapReport::Step& step) {
         constexpr int rounds = 80;
         constexpr double back = 0.3;
         if (check_rows_.size() == 0) {

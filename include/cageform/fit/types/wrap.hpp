@@ -18,68 +18,71 @@ struct Landmark {
     double weight = 1; ///< relative to the other landmarks, positive
 };
 
-/// One basis of the search: a lattice, or the cage. Lengths are relative to the target's height.
-struct WrapStage {
-    unsigned cells = 0; ///< spans of the lattice along the target's height; 0: the cage
-    /// Weights λ of the rigidity, in descending order. One matrix is factored for each.
-    std::vector<double> stiffness{};
-    double normal_length = 0.03; ///< κ: a right angle between normals counts as a distance of κ √2
-};
-
 struct WrapOptions {
+    /// One basis of the search: a lattice, or the cage. Lengths are relative to the target's height.
+    struct Stage {
+        unsigned cells = 0; ///< spans of the lattice along the target's height; 0: the cage
+        /// Weights λ of the rigidity, in descending order. One matrix is factored for each.
+        std::vector<double> stiffness{};
+        double normal_length = 0.03; ///< κ: a right angle between normals counts as a distance of κ √2
+    };
+
     std::span<const Landmark> landmarks{};
-    /// Points that will follow the source, such as the vertices of clothes. The space around them is sampled.
-    /// Those outside the source are kept outside the target, by a soft term.
+    /// Points that will follow the source, such as the vertices of clothes. The space around them is
+    /// sampled. Those outside the source are kept outside the target, by a soft term.
     std::span<const Vec<double, 3>> follow{};
     /// First moves the source: by a similarity that fits three or more landmarks, else by a scale and a
     /// translation that give the boxes of source and target the same height and centre.
     bool align = true;
-    /// Whether source and target have different poses. A first step fits the landmarks with little weight on
-    /// the surfaces.
+    /// Whether source and target have different poses. A first step fits the landmarks with little weight
+    /// on the surfaces.
     bool other_pose = false;
-    /// Spans of the finest lattice along the target's height: 6, 12, 24 … The stages double them from 6 on.
-    /// With a cage, the lattices begin at 12, and 0 fits the cage alone.
+    /// Spans of the finest lattice along the target's height: 6, 12, 24 … The stages double the spans from
+    /// 6 on. With a cage, the lattices begin at 12, and 0 fits the cage alone.
     unsigned finest = 24;
-    double least_stiffness = 1e-7;   ///< the stages end at this λ; 1e-5 suits scans with noise
+    double least_stiffness = 1e-7; ///< the stages end at this λ; 1e-5 suits scans with noise
     /// Halves the cells of the last lattice where the source is not on the target, as at thighs that touch.
     /// Takes about twice the time. Without a cage only.
     bool refine_contacts = false;
-    std::vector<WrapStage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
+    std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
+    /// The largest number of samples of space. The grid has a spacing of 1/50 of the height, or more.
+    std::size_t samples = 16000;
     double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
     double residual = 0; ///< ends the search below this 95th percentile, relative to the height
 };
 
-/// Why a search ended.
-enum class WrapEnd : std::uint8_t {
-    stages,   ///< all stages are done
-    residual, ///< WrapOptions::residual is reached
-    noise,    ///< the median residual is at the noise of the target
-    fold,     ///< the handles of the last stiffness went back by more than half
-};
-
-/// One stiffness of a stage.
-struct WrapStep {
-    unsigned cells = 0;
-    std::size_t handles = 0; ///< number of unknown handles
-    double stiffness = 0;
-    std::size_t iterations = 0;
-    double residual = 0;  ///< RMS of the last pulls, relative to the height
-    std::size_t held = 0; ///< places below the floor before the guard
-    double kept = 1;      ///< mean share of the step that the guard kept
-};
-
 struct WrapReport {
+    static constexpr std::size_t none = ~std::size_t{0};
+
+    /// Why a search ended.
+    enum class End : std::uint8_t {
+        stages,   ///< all stages are done
+        residual, ///< WrapOptions::residual is reached
+        noise,    ///< the median residual is at the noise of the target
+        fold,     ///< the handles of the last stiffness went back by more than half
+    };
+    /// One stiffness of a stage.
+    struct Step {
+        unsigned cells = 0;
+        std::size_t handles = 0; ///< number of unknown handles
+        double stiffness = 0;
+        std::size_t iterations = 0;
+        double residual = 0;  ///< RMS of the last pulls, relative to the height
+        std::size_t held = 0; ///< places below the floor before the guard
+        double kept = 1;      ///< mean share of the step that the guard kept
+    };
+
     Status status = Status::ok;
     std::size_t culprit = none; ///< index of the vertex, face, landmark or follower that was refused
     bool of_target = false;     ///< whether the culprit is of the target
-    WrapEnd ended = WrapEnd::stages;
+    End ended = End::stages;
     double height = 0; ///< of the target, along the longest principal axis of the source
 
     // Distances are relative to the height.
     SurfaceDistance start;     ///< from the aligned source to the target
     SurfaceDistance to_target; ///< from the vertices of the wrapped source to the target
     SurfaceDistance to_source; ///< from the vertices of the target to the wrapped source
-    double noise = 0; ///< standard deviation of the target's vertices from quadric fits; below 1e-3: 0
+    double noise = 0; ///< standard deviation of the target's vertices from quadric fits; 0 if below 1e-3
 
     double unmatched_source = 0, unmatched_target = 0; ///< share of the vertices without a match
     double miss = 0;                                   ///< the largest distance of a landmark from its place
@@ -87,12 +90,10 @@ struct WrapReport {
     std::size_t skipped_faces = 0;                     ///< faces of the target without an area
 
     std::size_t samples = 0;
-    std::size_t folded_vertices = 0, folded_followers = 0, folded_samples = 0; ///< of the map after `first`
+    std::size_t folded_vertices = 0, folded_followers = 0, folded_samples = 0; ///< after the alignment
     double least_stretch = 1, largest_stretch = 1; ///< singular values at these places
-    std::vector<WrapStep> steps;
+    std::vector<Step> steps;
     double seconds = 0;
-
-    static constexpr std::size_t none = ~std::size_t{0};
 };
 
 /// A map of space: `first`, then the pose of the cage, then the pose of the lattice. `move` evaluates it.
