@@ -134,7 +134,7 @@ inline void fill(cageform_report& report, const WrapReport& fitted) noexcept {
     report.of_target = fitted.of_target ? 1 : 0;
     report.miss = fitted.miss;
     report.samples = fitted.samples;
-    for (const WrapStep& step : fitted.steps) report.iterations += step.iterations;
+    for (const auto& step : fitted.steps) report.iterations += step.iterations;
     report.folded = fitted.folded_vertices + fitted.folded_followers + fitted.folded_samples;
     report.least_stretch = fitted.least_stretch;
     report.largest_stretch = fitted.largest_stretch;
