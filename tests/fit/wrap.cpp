@@ -95,7 +95,7 @@ SurfaceMesh surface_of(const MeshData& data) {
     return {data.vertices, data.faces};
 }
 const MeshData& source_mesh() {
-    static const MeshData data = Body{}.mesh(32, 18, 1);
+    static const MeshData data = Body{}.mesh(26, 14, 1);
     return data;
 }
 
@@ -103,7 +103,7 @@ const MeshData& source_mesh() {
 WrapOptions quick() {
     WrapOptions options;
     options.finest = 12;
-    options.samples = 1500;
+    options.samples = 1000;
     return options;
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("a similar target gives the similarity, without iterations that drift"
     WrapOptions options = quick();
     std::vector<Landmark> marks;
     for (int n = 0; n < 5; ++n) {
-        const V& from = source_mesh().vertices[random.below(500)];
+        const V& from = source_mesh().vertices[random.below(300)];
         marks.push_back({from, map(from), random.uniform(0.5, 2)});
     }
     if (by_landmarks) options.landmarks = marks;
@@ -183,7 +183,7 @@ TEST_CASE("a similar target gives the similarity, without iterations that drift"
 }
 
 TEST_CASE("bodies of other shapes fit without a fold, and followers keep their side", "[fit]") {
-    const int seed = GENERATE(seeds(effort(4, 1)));
+    const int seed = GENERATE(seeds(effort(2, 1)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1);
     const Body source, target = Body::random(random);
@@ -245,7 +245,7 @@ TEST_CASE("threads, the order of faces, and moves of the whole scene do not chan
     const int seed = GENERATE(seeds(2));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1);
-    const MeshData source = source_mesh(), target = Body::random(random).mesh(31, 20, 2);
+    const MeshData source = source_mesh(), target = Body::random(random).mesh(25, 16, 2);
     const auto places = [&](const MeshData& from, const MeshData& to, const cageform::Running& running = {}) {
         const auto [wrap, report] = cageform::wrap(surface_of(from), surface_of(to), quick(), running);
         REQUIRE(report.status == Status::ok);
@@ -279,7 +279,7 @@ TEMPLATE_TEST_CASE("a wrap of a cage is a pose of the cage, then of a lattice", 
     const auto box =
         cageform::box_mesh(Vec<T, 3>{T(-0.4), T(-0.6), T(-0.4)}, Vec<T, 3>{T(0.4), T(0.6), T(0.4)},
                            std::array<std::size_t, 3>{2, 4, 2});
-    const MeshData source = source_mesh(), target = Body::random(random).mesh(31, 20, 2);
+    const MeshData source = source_mesh(), target = Body::random(random).mesh(25, 16, 2);
     const auto clothes = cast<T>(Body{}.clothes(0.01));
     const auto check = [&](const auto& coordinates, unsigned finest, double residual) {
         CAPTURE(finest);
@@ -302,16 +302,16 @@ TEMPLATE_TEST_CASE("a wrap of a cage is a pose of the cage, then of a lattice", 
     };
     const cageform::MeanValueCoordinates coordinates(box);
     check(coordinates, 0, 0.004);
-    check(coordinates, 12, 0.003);
-    check(cageform::AnyCoordinates<T, 3>(coordinates), 0, 0.004);
-    check(cageform::GreenCoordinates(box), 0, 0.01);
-    if (seed == 0) check(cageform::HarmonicCoordinates(box), 0, 0.004);
+    if (seed == 0) check(coordinates, 12, 0.003);
+    if (seed == 0 && sizeof(T) == 4)
+        check(cageform::AnyCoordinates<T, 3>(cageform::GreenCoordinates(box)), 0, 0.01);
+    if (seed == 0 && sizeof(T) == 8) check(cageform::HarmonicCoordinates(box), 0, 0.004);
 }
 
 TEST_CASE("landmarks are met where they agree with the target, and contradictions are reported", "[fit]") {
     Random random(7);
     const Body target = Body::random(random);
-    const SurfaceMesh source = surface_of(source_mesh()), surface = surface_of(target.mesh(31, 20, 2));
+    const SurfaceMesh source = surface_of(source_mesh()), surface = surface_of(target.mesh(25, 16, 2));
     const auto fit = [&](std::span<const Landmark> marks) {
         WrapOptions options = quick();
         options.landmarks = marks;
@@ -454,7 +454,7 @@ TEST_CASE("a wrap names what it refuses", "[fit]") {
 TEST_CASE("wraps report progress, and a cancelled wrap keeps its last pose without a fold", "[fit]") {
     Random random(3);
     const SurfaceMesh source = surface_of(source_mesh()),
-                      target = surface_of(Body::random(random).mesh(31, 20, 2));
+                      target = surface_of(Body::random(random).mesh(25, 16, 2));
     check_progress("wrap",
                    [&](const Running& running) { return cageform::wrap(source, target, quick(), running); });
     int calls = 0;

@@ -45,6 +45,8 @@ public:
     /// Changes κ. Throws std::bad_alloc. O(#faces log #faces).
     void set_normal_length(double normal_length) {
         normal_length_ = normal_length;
+        spheres_.clear();
+        for (std::uint32_t f = 0; f < faces_.size(); ++f) spheres_.emplace_back(corners_of(f));
         tree_ = detail::BoxTree<6>(tree_faces_.size(), [&](std::uint32_t n) {
             const auto corners = corners_of(tree_faces_[n]);
             return bounds_of(std::span<const Vec<double, 6>>(corners));
@@ -60,6 +62,7 @@ public:
         Place best;
         double least = std::numeric_limits<double>::infinity();
         const auto visit = [&](std::uint32_t face) {
+            if (spheres_[face].is_beyond(q, least)) return detail::with_ties(least);
             const auto corners = corners_of(face);
             const auto weights = detail::nearest_on_triangle(q, corners);
             const auto e = detail::point_of(weights, corners) - q;
@@ -137,8 +140,9 @@ private:
     double normal_length_ = 0;
     std::vector<Vec<double, 3>> vertices_, normals_;
     std::vector<SurfaceMesh::Face> faces_;
-    std::vector<char> on_rim_;              ///< #vertices
-    std::vector<std::uint32_t> tree_faces_; ///< the faces with an area: the items of the tree
+    std::vector<char> on_rim_;                       ///< #vertices
+    std::vector<std::uint32_t> tree_faces_;          ///< the faces with an area: the items of the tree
+    std::vector<detail::TriangleSphere<6>> spheres_; ///< #faces
     detail::BoxTree<6> tree_;
 };
 

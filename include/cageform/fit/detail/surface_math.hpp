@@ -56,6 +56,26 @@ Vec<double, N> point_of(const std::array<double, 3>& weights,
     return weights[0] * corner[0] + (weights[1] * corner[1] + weights[2] * corner[2]);
 }
 
+/// A sphere about a triangle: a cheap test before the exact distance.
+template <std::size_t N>
+class TriangleSphere {
+public:
+    explicit TriangleSphere(const std::array<Vec<double, N>, 3>& corner) noexcept
+        : centre_(point_of({1.0 / 3, 1.0 / 3, 1.0 / 3}, corner)) {
+        for (const auto& c : corner) radius_ = (std::max)(radius_, std::sqrt(dot(c - centre_, c - centre_)));
+    }
+    /// Whether the triangle is surely farther from a point than a squared distance. Ties are not.
+    bool is_beyond(const Vec<double, N>& p, double distance2) const noexcept {
+        const auto e = p - centre_;
+        const double outer = (1 + 1e-9) * (std::sqrt(distance2) + radius_);
+        return dot(e, e) > outer * outer;
+    }
+
+private:
+    Vec<double, N> centre_;
+    double radius_ = 0;
+};
+
 /// Returns the normals of the vertices: the normalised sums of the area vectors of their faces.
 inline std::vector<Vec<double, 3>> vertex_normals(std::span<const Vec<double, 3>> vertices,
                                                   std::span<const MeshFace> faces) {

@@ -131,7 +131,8 @@ private:
         }
         if (unknowns_.empty()) return Status::samples_missing;
         rigidity_.assign(scene_.samples.size(), 1);
-        turns_.assign(block_count<double>(scene_.samples.size()) * 9, {});
+        turns_.resize(block_count<double>(scene_.samples.size()) * 9);
+        for (auto& row : turns_) DoubleLanes(0).store(row);
         data_ = basis_.matrix(unknowns_);
         rigid_ = data_;
         sum_ = data_;
@@ -214,9 +215,11 @@ private:
         const std::size_t blocks = block_count<double>(3 * unknowns_.size());
         Anderson anderson;
         anderson.reset(blocks, 5);
-        Lanes<double> zero; // the last block may be partly used
-        std::fill_n(zero.v, lane_count<double>, 0.0);
-        std::vector<Lanes<double>> from(blocks, zero), to(blocks, zero);
+        std::vector<Lanes<double>> from(blocks), to(blocks);
+        for (std::size_t b = 0; b < blocks; ++b) { // also the padding
+            DoubleLanes(0).store(from[b]);
+            DoubleLanes(0).store(to[b]);
+        }
         std::vector<Point> right(basis_.size()), solution(unknowns_.size());
         for (int n = 0; n < most; ++n) {
             matches.find(places_, normals_, n % 5 == 0);
