@@ -240,7 +240,7 @@ TEST_CASE("wraps refuse wrong arguments", "[c]") {
     refused(source, target, options, CAGEFORM_VALUE_NOT_FINITE, "(follower 2)");
     its.landmarks[1].weight = -1;
     refused(source, target, options, CAGEFORM_WEIGHTS_NOT_POSITIVE, "(landmark 1)");
-    its.landmarks[1].to[2] = NAN;
+    its.landmarks[1].target[2] = NAN;
     refused(source, target, options, CAGEFORM_VALUE_NOT_FINITE, "(landmark 1)");
 }
 

@@ -226,7 +226,8 @@ static class Test
             wrap.Dispose();
             Throws<ObjectDisposedException>(() => wrap.Move(coat, moved));
         }
-        using (var wrap = new Wrap(source, faces.Reverse().ToArray(), target, faces, finest: 6))
+        var thick = source.Select((x, n) => n % 3 == 2 ? x : 1.5f * x).ToArray();
+        using (var wrap = new Wrap(thick, faces.Reverse().ToArray(), thick, faces, finest: 6)) // inside out
             Require(!wrap.Reached);
         Throws<ArgumentNullException>(() => new Wrap(null, faces, target, faces));
         Throws<ArgumentException>(() => new Wrap(source, faces, target, faces, null, new double[7]));

@@ -36,7 +36,7 @@ sphere = np.stack([np.sin(rise) * np.cos(turn), np.sin(rise) * np.sin(turn), np.
 corner = np.arange(len(sphere) - 16)  # open at the poles
 beside = corner // 16 * 16 + (corner + 1) % 16
 tube = np.concatenate([np.stack([corner, corner + 16, beside + 16], 1), np.stack([corner, beside + 16, beside], 1)]).astype(np.int32)
-source, target, coat = (np.float32(sphere * size) for size in ((0.7, 0.7, 1), (0.5, 0.8, 1.2), (0.77, 0.77, 1.1)))
+source, target, coat = (np.float32(sphere * size) for size in ((0.2, 0.2, 1), (0.15, 0.25, 1.2), (0.22, 0.22, 1.1)))
 wrap = cageform.wrap(source, tube, target, tube, [(source[0], target[0])], coat, finest=12)
 for name, array in (('figure', figure), ('samples', samples.pack()), ('pose', pose), ('moved', moved), ('turned', turned),
                     ('along', along), ('sampled', opened.clip('grow').sample(1.5)), ('level', opened.level(1).clone(pose)),

@@ -20,8 +20,8 @@ def ball(name, scale, **place):
 class Wrap(unittest.TestCase):
     def setUp(self):
         empty_scene()
-        self.source, self.coat = ball('Source', (0.7, 0.7, 1)), ball('Coat', (0.75, 0.75, 1.08))
-        self.target = ball('Target', (0.5, 0.8, 1.2))
+        self.source, self.coat = ball('Source', (0.2, 0.2, 1)), ball('Coat', (0.22, 0.22, 1.08))
+        self.target = ball('Target', (0.15, 0.25, 1.2))
 
     def wrap(self, *followers, **options):
         select_only(*followers, self.source)

@@ -797,9 +797,8 @@ CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleto
 
 /* ---- Wraps --------------------------------------------------------------------------------------------- */
 
-/* A point of the source, and the place where the wrapped source has it. */
 typedef struct cageform_landmark {
-    double from[3], to[3];
+    double source[3], target[3]; /* a point of the source, and its place on the target */
     double weight; /* relative to other landmarks; 0: 1 */
 } cageform_landmark;
 

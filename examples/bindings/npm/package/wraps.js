@@ -75,8 +75,8 @@ function landmarksOf(pairs, weights) {
   const own = weights === undefined ? pairs.map(() => 1) : numbers(weights, pairs.length, 'weights');
   if (own.includes(0)) refuse('weights: positive numbers are needed');
   return pairs.map(([from, to], n) => ({
-    from: numbers(from, 3, 'landmarks'),
-    to: numbers(to, 3, 'landmarks'),
+    source: numbers(from, 3, 'landmarks'),
+    target: numbers(to, 3, 'landmarks'),
     weight: own[n],
   }));
 }

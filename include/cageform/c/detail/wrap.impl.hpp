@@ -85,8 +85,8 @@ inline cageform_status copy_options(const cageform_wrap_options& given, std::vec
     if (given.landmarks == nullptr && given.landmark_count > 0) return CAGEFORM_ARGUMENT_NULL;
     for (std::size_t n = 0; n < given.landmark_count; ++n) {
         const cageform_landmark& mark = given.landmarks[n];
-        landmarks.push_back({{mark.from[0], mark.from[1], mark.from[2]},
-                             {mark.to[0], mark.to[1], mark.to[2]},
+        landmarks.push_back({{mark.source[0], mark.source[1], mark.source[2]},
+                             {mark.target[0], mark.target[1], mark.target[2]},
                              mark.weight != 0 ? mark.weight : 1});
     }
     const cageform_status status = copy_points(given.follow, follow);
