@@ -1,14 +1,13 @@
 // The C interface: statuses, equality with C++, invalid calls, and failing allocations.
-#include "../catch.hpp"
-#include "../support/allocations.hpp"
-#include "../support/effort.hpp"
-#include "../support/meshes.hpp"
-
 #if !defined(CAGEFORM_COMPILED) // else it is in the library
 #define CAGEFORM_C_IMPLEMENTATION
 #endif
+#include "../catch.hpp"
+#include "../support/allocations.hpp"
+#include "../support/effort.hpp"
+#include "support.hpp"
+
 #include <cageform/binding/pack.hpp>
-#include <cageform/c/cageform.h>
 #include <cageform/c/detail/objects.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/clone_transposed.hpp>
@@ -24,45 +23,9 @@ extern "C" int cageform_c_calls(void); // calls.c
 
 namespace c_interface_tests {
 
-using namespace cageform_tests;
 using cageform::Status;
 
 namespace {
-
-template <class T, std::size_t D>
-cageform_points points_of(const std::vector<Vec<T, D>>& points) {
-    return {points.data(),
-            points.size(),
-            0,
-            points.size() * sizeof(points[0]),
-            std::is_same_v<T, double> ? 1u : 0u,
-            std::uint32_t(D)};
-}
-template <class T, std::size_t D>
-cageform_output output_of(std::vector<Vec<T, D>>& points) {
-    return {points.data(),
-            points.size(),
-            0,
-            points.size() * sizeof(points[0]),
-            std::is_same_v<T, double> ? 1u : 0u,
-            std::uint32_t(D)};
-}
-template <class S>
-S sized() {
-    S its{};
-    its.size = sizeof(S);
-    return its;
-}
-
-/// Frees an object at the end of a scope.
-template <class X>
-struct Owned {
-    X* object = nullptr;
-    Owned() = default;
-    Owned(const Owned&) = delete;
-    Owned& operator=(const Owned&) = delete;
-    ~Owned() { cageform_free(object); }
-};
 
 /// A bar in 3D and points in and around it, bound by both interfaces.
 template <class T>
@@ -299,6 +262,7 @@ TEST_CASE("invalid calls give a status", "[c]") {
     Owned<cageform_bytes> packed, clip;
     Owned<cageform_player> player;
     Owned<cageform_skeleton> skeleton;
+    Owned<cageform_wrap> wrap;
     REQUIRE(cageform_binding_figure(space.binding.object, &figure.object) == CAGEFORM_OK);
     auto sampling = sized<cageform_samples_options>();
     sampling.samples = 200;
@@ -319,6 +283,13 @@ TEST_CASE("invalid calls give a status", "[c]") {
     fitting.bones = 1;
     REQUIRE(cageform_fit_skeleton(points_of(space.pose), points_of(poses), nullptr, 0, &fitting, nullptr,
                                   &skeleton.object, nullptr) == CAGEFORM_OK);
+    auto thin = space.vertices;
+    for (auto& v : thin) v = {0.2 * v[0], 0.2 * v[1], v[2]};
+    const auto solid = drawing_of(thin, space.indices);
+    auto coarse = sized<cageform_wrap_options>();
+    coarse.finest = 6;
+    REQUIRE(cageform_fit_wrap(nullptr, &solid, &solid, &coarse, nullptr, &wrap.object, nullptr) ==
+            CAGEFORM_OK);
 
     const std::uint64_t seed = 20261126;
     CAPTURE(seed);
@@ -333,15 +304,16 @@ TEST_CASE("invalid calls give a status", "[c]") {
         return odd[pick(odd.size())];
     };
     // Objects of every kind, or null, as a pointer of any type.
-    const std::array<void*, 9> objects{nullptr,
-                                       space.coordinates.object,
-                                       space.binding.object,
-                                       figure.object,
-                                       samples.object,
-                                       pins.object,
-                                       packed.object,
-                                       player.object,
-                                       skeleton.object};
+    const std::array<void*, 10> objects{nullptr,
+                                        space.coordinates.object,
+                                        space.binding.object,
+                                        figure.object,
+                                        samples.object,
+                                        pins.object,
+                                        packed.object,
+                                        player.object,
+                                        skeleton.object,
+                                        wrap.object};
     const auto any = [&](auto* own) {
         using X = std::remove_pointer_t<decltype(own)>;
         return pick(3) != 0 ? own : static_cast<X*>(objects[pick(objects.size())]);
@@ -376,7 +348,7 @@ TEST_CASE("invalid calls give a status", "[c]") {
         auto info = spoil(sized<cageform_figure_info>());
         auto report = spoil(sized<cageform_report>());
         const auto points = view();
-        switch (pick(18)) {
+        switch (pick(20)) {
         case 0: status = cageform_figure_describe(any(figure.object), &info); break;
         case 1: status = cageform_figure_rest(any(figure.object), points); break;
         case 2: status = cageform_figure_label(any(figure.object), number(), &text, &out); break;
@@ -482,6 +454,36 @@ TEST_CASE("invalid calls give a status", "[c]") {
             status = cageform_fit_skeleton(pick(2) ? points_of(space.pose) : reading(),
                                            pick(2) ? points_of(poses) : reading(), indices.data(), pick(5),
                                            &options, nullptr, &fitted.object, &report);
+            break;
+        }
+        case 17: {
+            const auto jacobians = view();
+            status = cageform_wrap_move(any(wrap.object), reading(), points, pick(2) ? &jacobians : nullptr,
+                                        nullptr);
+            break;
+        }
+        case 18: {
+            auto described = spoil(sized<cageform_wrap_info>());
+            status = cageform_wrap_describe(any(wrap.object), &described);
+            if (pick(800) != 0) break; // takes longer
+            Owned<cageform_wrap> fitted;
+            auto options = spoil(coarse);
+            const auto tame = [&] { // finite numbers of this size
+                auto its = points_of(thin);
+                for (std::size_t* const member : {&its.count, &its.stride, &its.bytes}) {
+                    if (pick(8) == 0) *member = number() % its.bytes;
+                }
+                return its;
+            };
+            options.follow = tame();
+            options.floor = random.uniform(-0.2, 1.2);
+            if (pick(3) == 0) options.finest = std::uint32_t(number());
+            std::array<cageform_drawing, 2> drawings{solid, solid};
+            auto& drawing = drawings[pick(2)] = spoil(solid);
+            drawing.points = tame();
+            if (pick(3) == 0) drawing.index_count = pick(solid.index_count);
+            status = cageform_fit_wrap(pick(3) ? nullptr : any(space.coordinates.object), &drawings[0],
+                                       &drawings[1], &options, nullptr, &fitted.object, &report);
             break;
         }
         default: {

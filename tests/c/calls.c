@@ -748,6 +748,167 @@ static void test_skeleton_refusals(void) {
     cageform_free(none);
 }
 
+/* A ball of points around two poles: 138 vertices, 272 faces. */
+enum { SEGMENTS = 17, RINGS = 8, BALL = 2 + SEGMENTS * RINGS, BALL_FACES = 2 * SEGMENTS * RINGS };
+typedef struct ball {
+    double vertices[BALL][3];
+    uint32_t faces[BALL_FACES][3];
+} ball;
+static ball scaled_ball(double x, double y, double z) {
+    const double pi = 3.14159265358979;
+    ball its;
+    uint32_t i, ring, segment, face = 0;
+    for (i = 0; i < BALL; ++i) {
+        const double across = i == 0 ? 0 : i == BALL - 1 ? pi : pi * ((i - 1) / SEGMENTS + 1) / (RINGS + 1);
+        const double around = 2 * pi * ((i + SEGMENTS - 1) % SEGMENTS) / SEGMENTS;
+        its.vertices[i][0] = x * sin(across) * cos(around);
+        its.vertices[i][1] = y * sin(across) * sin(around);
+        its.vertices[i][2] = z * cos(across);
+    }
+    for (ring = 0; ring <= RINGS; ++ring) {
+        for (segment = 0; segment < SEGMENTS; ++segment) {
+            const uint32_t next = (segment + 1) % SEGMENTS, below = 1 + ring * SEGMENTS;
+            const uint32_t a = ring == 0 ? 0 : below - SEGMENTS + segment,
+                           b = ring == 0 ? 0 : below - SEGMENTS + next,
+                           c = ring == RINGS ? BALL - 1 : below + segment,
+                           d = ring == RINGS ? BALL - 1 : below + next;
+            if (ring < RINGS) {
+                its.faces[face][0] = a;
+                its.faces[face][1] = c;
+                its.faces[face++][2] = d;
+            }
+            if (ring > 0) {
+                its.faces[face][0] = a;
+                its.faces[face][1] = d;
+                its.faces[face++][2] = b;
+            }
+        }
+    }
+    return its;
+}
+static cageform_drawing ball_drawing(const ball* its) {
+    cageform_drawing drawing;
+    memset(&drawing, 0, sizeof drawing);
+    drawing.size = sizeof drawing;
+    drawing.points = points_of(its->vertices, BALL, CAGEFORM_DOUBLE, 3);
+    drawing.indices = its->faces[0];
+    drawing.index_count = 3 * (size_t)BALL_FACES;
+    return drawing;
+}
+
+/* Moves points by a binding to coordinates, and compares them with those of a wrap. */
+static void check_pose(const cageform_coordinates* coordinates, const double* points, size_t count,
+                       cageform_points pose, const double* wanted, double tolerance) {
+    cageform_binding* binding = NULL;
+    cageform_figure* figure = NULL;
+    double out[3 * BALL];
+    float rounded[3 * BALL];
+    size_t n;
+    CHECK(cageform_bind(coordinates, points_of(points, count, CAGEFORM_DOUBLE, 3), NULL, NULL, NULL, NULL,
+                        &binding, NULL) == CAGEFORM_OK);
+    CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+    CHECK(cageform_clone(figure, pose,
+                         pose.scalar == CAGEFORM_DOUBLE ? output_of(out, count, CAGEFORM_DOUBLE, 3)
+                                                        : output_of(rounded, count, CAGEFORM_FLOAT, 3),
+                         NULL, NULL, NULL) == CAGEFORM_OK);
+    for (n = 0; n < 3 * count; ++n)
+        CHECK(fabs((pose.scalar == CAGEFORM_DOUBLE ? out[n] : (double)rounded[n]) - wanted[n]) < tolerance);
+    cageform_free(figure);
+    cageform_free(binding);
+}
+
+/* A spheroid is wrapped onto an ellipsoid by a lattice, and by a cage; another ball around it follows. */
+static void test_wraps(void) {
+    const ball source = scaled_ball(0.2, 0.2, 1), target = scaled_ball(0.15, 0.25, 1.2),
+               coat = scaled_ball(0.23, 0.23, 1.1);
+    const cageform_drawing from = ball_drawing(&source), to = ball_drawing(&target);
+    const cageform_landmark top = {{0, 0, 1}, {0, 0, 1.2}, 0};
+    cageform_coordinates *coordinates = coordinates_of(cube_cage(), CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT),
+                         *lattice = NULL;
+    cageform_coordinates_options splines;
+    cageform_wrap_options options;
+    cageform_wrap* wrap = NULL;
+    cageform_wrap_info info;
+    cageform_report report;
+    counts its = {0, 0, 3, 0};
+    cageform_running running = running_of(&its);
+    double moved[BALL][3], first[BALL][3], jacobians[BALL][9], near[BALL][3];
+    cageform_output to_jacobians = output_of(jacobians, BALL, CAGEFORM_DOUBLE, 9);
+    const double step_size = 1e-6;
+    size_t n, k, j, inside_target = 0;
+    memset(&options, 0, sizeof options);
+    memset(&splines, 0, sizeof splines);
+    options.size = sizeof options;
+    options.landmarks = &top;
+    options.landmark_count = 1;
+    options.follow = points_of(coat.vertices, BALL, CAGEFORM_DOUBLE, 3);
+    options.finest = 12;
+    splines.size = sizeof splines;
+    splines.type = CAGEFORM_SPLINES;
+    splines.scalar = CAGEFORM_DOUBLE;
+    report.size = sizeof report;
+    info.size = sizeof info;
+    CHECK(cageform_fit_wrap(NULL, &from, &to, &options, &running, &wrap, &report) == CAGEFORM_CANCELLED);
+    CHECK(wrap == NULL && its.steps == 3);
+    CHECK(cageform_fit_wrap(NULL, &from, &to, &options, NULL, &wrap, &report) == CAGEFORM_OK);
+    CHECK(report.to_target_upper < 0.01 && report.to_source_upper < 0.01 && report.start > 0.01);
+    CHECK(fabs(report.height - 2.4) < 1e-6 && report.miss < 0.02 && report.culprit == 0);
+    CHECK(report.iterations > 0 && report.samples > 0 && report.folded == 0 && report.least_stretch > 0.1);
+    CHECK(report.ended == CAGEFORM_ENDED_NOISE && report.noise > 1e-3); /* its faces are large */
+    CHECK(report.unmatched_source < 0.1 && report.seconds >= 0);
+    CHECK(cageform_wrap_move(wrap, points_of(coat.vertices, BALL, CAGEFORM_DOUBLE, 3),
+                             output_of(moved, BALL, CAGEFORM_DOUBLE, 3), &to_jacobians, NULL) == CAGEFORM_OK);
+    for (n = 0; n < BALL; ++n) {
+        const double x = moved[n][0] / 0.15, y = moved[n][1] / 0.25, z = moved[n][2] / 1.2;
+        inside_target += x * x + y * y + z * z < 1;
+    }
+    CHECK(inside_target == 0);
+    for (k = 0; k < 3; ++k) { /* the Jacobians are the derivatives of the map */
+        for (n = 0; n < BALL; ++n) {
+            memcpy(near[n], coat.vertices[n], sizeof near[n]);
+            near[n][k] += step_size;
+        }
+        CHECK(cageform_wrap_move(wrap, points_of(near, BALL, CAGEFORM_DOUBLE, 3),
+                                 output_of(near, BALL, CAGEFORM_DOUBLE, 3), NULL, NULL) == CAGEFORM_OK);
+        for (n = 0; n < BALL; ++n) {
+            for (j = 0; j < 3; ++j)
+                CHECK(fabs((near[n][j] - moved[n][j]) / step_size - jacobians[n][3 * k + j]) < 1e-4);
+        }
+    }
+    /* The described lattice is the map. */
+    CHECK(cageform_wrap_describe(wrap, &info) == CAGEFORM_OK);
+    CHECK(info.lattice != NULL && info.lattice->kind == CAGEFORM_LATTICE && info.pose.count == 0);
+    CHECK(info.lattice_pose.count ==
+          (size_t)info.lattice->points[0] * info.lattice->points[1] * info.lattice->points[2]);
+    for (n = 0; n < BALL; ++n) {
+        for (j = 0; j < 3; ++j) {
+            first[n][j] = info.first[9 + j];
+            for (k = 0; k < 3; ++k) first[n][j] += coat.vertices[n][k] * info.first[3 * k + j];
+        }
+    }
+    CHECK(cageform_coordinates_create(info.lattice, &splines, &lattice, NULL) == CAGEFORM_OK);
+    check_pose(lattice, first[0], BALL, info.lattice_pose, moved[0], 1e-9);
+    cageform_free(lattice);
+    cageform_free(wrap);
+
+    options.finest = 6; /* the cage alone */
+    options.follow.count = 0;
+    CHECK(cageform_fit_wrap(coordinates, &from, &to, &options, NULL, &wrap, &report) == CAGEFORM_OK);
+    CHECK(report.to_target_upper < 0.05 && report.start > 0.01);
+    CHECK(cageform_wrap_describe(wrap, &info) == CAGEFORM_OK);
+    CHECK(info.lattice == NULL && info.lattice_pose.count == 0 && info.pose.count == 8);
+    CHECK(cageform_wrap_move(wrap, points_of(source.vertices, BALL, CAGEFORM_DOUBLE, 3),
+                             output_of(moved, BALL, CAGEFORM_DOUBLE, 3), NULL, NULL) == CAGEFORM_OK);
+    check_pose(coordinates, source.vertices[0], BALL, info.pose, moved[0], 1e-5);
+    CHECK(cageform_wrap_describe(wrap, NULL) == CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_wrap_describe((const cageform_wrap*)(const void*)coordinates, &info) ==
+          CAGEFORM_OBJECT_OF_ANOTHER_KIND);
+    CHECK(cageform_wrap_move(NULL, from.points, output_of(moved, BALL, CAGEFORM_DOUBLE, 3), NULL, NULL) ==
+          CAGEFORM_ARGUMENT_NULL);
+    cageform_free(coordinates);
+    cageform_free(wrap);
+}
+
 /* Pins: one end of a square stays, the other goes up. */
 static void test_pins(void) {
     const uint32_t chosen[2] = {0, 2}, held[1] = {0}, far[1] = {9};
@@ -888,6 +1049,7 @@ int main(void) {
     test_made_cages();
     test_skeletons();
     test_skeleton_refusals();
+    test_wraps();
     test_pins();
     test_refusals();
     if (failures == 0) puts("all is well");

@@ -1,4 +1,4 @@
-// Packed figures in C# 7, for Unity and mono: open, clone, play clips, pose by pins. This file calls the C interface of the
+// Packed figures in C# 7, for Unity and mono: open, clone, play clips, pose by pins; and wraps. This file calls the C interface of the
 // shared library (include/cageform/c/cageform.h). It allocates no memory per frame and has no unsafe code.
 //
 // Points are 3D in float: x y z each, in arrays or at addresses. Errors of the library throw a CageformException. Arrays that are
@@ -224,24 +224,23 @@ namespace Cageform
                 if (opened != null) opened.Dispose();
                 memory.Free();
             }
-            var room = new AlignedBytes((int)Native.SizeOf<Native.Report>());
+            var room = Native.NewReport();
             handle.Keep(room);
             report = room.Data;
-            Marshal.WriteIntPtr(report, (IntPtr)(int)Native.SizeOf<Native.Report>());
         }
 
         /// Replaces all pins by pins at points of a figure, given by index. Weights may be null: all are 1.
         public void Set(Figure figure, int[] points, double[] weights = null)
         {
             if (weights != null && weights.Length != points.Length) throw new ArgumentException("one weight per pin is needed", "weights");
-            Check(Native.cageform_pins_set(handle, figure.Handle, points, (UIntPtr)points.Length, weights, report));
+            Native.Check(Native.cageform_pins_set(handle, figure.Handle, points, (UIntPtr)points.Length, weights, report), report);
             pins = points.Length;
         }
 
         /// Replaces the set of fixed handles, which keep their positions in the pose.
         public void Hold(int[] handles)
         {
-            Check(Native.cageform_pins_hold(handle, handles, (UIntPtr)handles.Length, report));
+            Native.Check(Native.cageform_pins_hold(handle, handles, (UIntPtr)handles.Length, report), report);
         }
 
         /// Moves a pose of all handles towards the targets, one per pin. Call it once per frame until it returns true:
@@ -250,22 +249,84 @@ namespace Cageform
         {
             using (var from = new Pinned(targets, 3, pins, "targets"))
             using (var to = new Pinned(pose, 3, Handles, "pose"))
-                Check(Native.cageform_pins_solve(handle, from.View, to.View, report));
+                Native.Check(Native.cageform_pins_solve(handle, from.View, to.View, report), report);
             return Marshal.ReadInt32(report, settled) != 0;
         }
 
         /// The largest distance of a pin from its target in the last frame.
-        public double Miss { get { return BitConverter.Int64BitsToDouble(Marshal.ReadInt64(report, miss)); } }
+        public double Miss { get { return Native.Number(report, miss); } }
 
         static readonly int settled = Native.OffsetOf("settled"), miss = Native.OffsetOf("miss");
-        static readonly int culprit = Native.OffsetOf("culprit"), message = Native.OffsetOf("message");
 
-        void Check(int code)
+        public void Dispose() { handle.Dispose(); }
+    }
+
+    /// A map of space that lays one figure, the source, on another, the target. Clothes, hair and joints of the source follow.
+    public sealed class Wrap : IDisposable
+    {
+        readonly Handle handle;
+        /// Whether at least half of both figures has a match. If not, check the directions of up and front, or use landmarks.
+        public readonly bool Reached;
+        /// Distances from the wrapped source's vertices to the target, relative to the target's height: mean, 95th percentile.
+        public readonly double Mean, Upper;
+
+        /// Finds the map. This takes seconds: call it on a thread of your own.
+        ///   source, target  vertices and triangles; both have the same up and front, unless three or more landmarks align them
+        ///   follow          points that will follow, such as the vertices of clothes; or null
+        ///   landmarks       6 numbers each: a point of the source, and its place on the target; or null
+        ///   otherPose       source and target have different poses; needs landmarks
+        ///   finest          spans of the finest lattice along the target's height: 6, 12, 24, … 96
+        ///   refineContacts  a finer lattice where parts touch, such as thighs; takes twice the time
+        ///   threads         0: only the calling thread
+        public Wrap(float[] source, int[] sourceFaces, float[] target, int[] targetFaces, float[] follow = null,
+                    double[] landmarks = null, bool otherPose = false, int finest = 24, bool refineContacts = false, int threads = 0)
         {
-            if (code == 0) return;
-            ulong named = (ulong)Marshal.ReadIntPtr(report, culprit).ToInt64();
-            string text = Native.Text(IntPtr.Add(report, message));
-            throw new CageformException(code, named > uint.MaxValue ? null : named.ToString(), text.Length > 0 ? text : null);
+            double[] marks = Landmarks(landmarks);
+            using (var from = new Pinned(source, 3, "source"))
+            using (var fromFaces = new Pinned(sourceFaces, "sourceFaces"))
+            using (var to = new Pinned(target, 3, "target"))
+            using (var toFaces = new Pinned(targetFaces, "targetFaces"))
+            using (var followers = follow == null ? default(Pinned) : new Pinned(follow, 3, "follow"))
+            using (var pinnedMarks = new Pinned(marks, "landmarks"))
+            {
+                Native.Drawing one = Native.DrawingOf(from, fromFaces, sourceFaces), other = Native.DrawingOf(to, toFaces, targetFaces);
+                var options = new Native.WrapOptions { size = Native.SizeOf<Native.WrapOptions>(), landmarks = pinnedMarks.Address,
+                                                       landmark_count = (UIntPtr)(marks.Length / 7), follow = followers.View,
+                                                       other_pose = otherPose ? 1 : 0, refine_contacts = refineContacts ? 1 : 0,
+                                                       finest = (uint)Native.Index(finest, "finest") };
+                var running = new Native.Running { size = Native.SizeOf<Native.Running>(), threads = (uint)Native.Index(threads, "threads") };
+                AlignedBytes report = Native.NewReport();
+                try
+                {
+                    int code = Native.cageform_fit_wrap(IntPtr.Zero, ref one, ref other, ref options, ref running, out handle, report.Data);
+                    Reached = code == 0;
+                    if (code != Native.FitNotReached) Native.Check(code, report.Data);
+                    Mean = Native.Number(report.Data, Native.OffsetOf("to_target_mean"));
+                    Upper = Native.Number(report.Data, Native.OffsetOf("to_target_upper"));
+                }
+                finally
+                {
+                    report.Free();
+                }
+            }
+        }
+
+        /// Moves points of the source, 3 numbers each. `moved` may be the same array.
+        public void Move(float[] points, float[] moved)
+        {
+            using (var from = new Pinned(points, 3, "points"))
+            using (var to = new Pinned(moved, 3, points.Length / 3, "moved"))
+                Native.Check(Native.cageform_wrap_move(handle, from.View, to.View, IntPtr.Zero, IntPtr.Zero));
+        }
+
+        /// Returns 7 numbers per landmark, as the library has: a point, its place, and a weight, 0 for 1.
+        static double[] Landmarks(double[] given)
+        {
+            int count = given == null ? 0 : given.Length / 6;
+            if (given != null && given.Length != 6 * count) throw new ArgumentException("6 numbers per landmark are needed", "landmarks");
+            var marks = new double[7 * count];
+            for (int n = 0; n < count; ++n) Array.Copy(given, 6 * n, marks, 7 * n, 6);
+            return marks;
         }
 
         public void Dispose() { handle.Dispose(); }
@@ -331,6 +392,16 @@ namespace Cageform
         GCHandle held;
         public readonly Native.Points View;
 
+        /// All points of an array.
+        public Pinned(float[] numbers, int dimension, string name)
+            : this(numbers, dimension, (numbers ?? throw new ArgumentNullException(name)).Length / dimension, name) { }
+        /// An array of any numbers.
+        public Pinned(Array numbers, string name)
+        {
+            if (numbers == null) throw new ArgumentNullException(name);
+            held = GCHandle.Alloc(numbers, GCHandleType.Pinned);
+            View = new Native.Points { data = held.AddrOfPinnedObject() };
+        }
         public Pinned(float[] numbers, int dimension, int points, string name)
         {
             if (numbers == null) throw new ArgumentNullException(name);
@@ -356,7 +427,7 @@ namespace Cageform
     {
         const string Library = "cageform"; // libcageform.so, libcageform.dylib, cageform.dll; linked statically: "__Internal"
         internal const uint Float = 0;
-        internal const int ScalarDiffers = 1005, DimensionDiffers = 1006;
+        internal const int FitNotReached = 970, ScalarDiffers = 1005, DimensionDiffers = 1006;
 
         // As in cageform.h; the test compares the offsets of members.
         [StructLayout(LayoutKind.Sequential)]
@@ -398,6 +469,34 @@ namespace Cageform
             internal UIntPtr iterations;
         }
         [StructLayout(LayoutKind.Sequential)]
+        internal struct Running
+        {
+            internal UIntPtr size;
+            internal IntPtr context, parallel_for, progress;
+            internal uint threads;
+        }
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct Drawing
+        {
+            internal UIntPtr size;
+            internal Points points;
+            internal IntPtr indices;
+            internal UIntPtr index_count;
+            internal IntPtr radii, areas;
+            internal UIntPtr area_count;
+        }
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct WrapOptions
+        {
+            internal UIntPtr size;
+            internal IntPtr landmarks;
+            internal UIntPtr landmark_count;
+            internal Points follow;
+            internal int keep_place, other_pose, refine_contacts;
+            internal uint finest;
+            internal double least_stiffness, floor, residual;
+        }
+        [StructLayout(LayoutKind.Sequential)]
         internal struct Fault
         {
             internal int status;
@@ -430,8 +529,26 @@ namespace Cageform
             internal double curve_error;
             internal UIntPtr bones, frame, beyond;
             internal double rms, max_distance, turn, mean_influences;
+            internal double height, start, to_target_mean, to_target_upper, to_target_largest;
+            internal double to_source_mean, to_source_upper, to_source_largest, unmatched_source, unmatched_target, noise;
+            internal UIntPtr skipped_faces;
+            internal uint ended, of_target;
         }
 
+        static readonly int culprit = OffsetOf("culprit"), message = OffsetOf("message");
+
+        internal static AlignedBytes NewReport()
+        {
+            var room = new AlignedBytes((int)SizeOf<Report>());
+            Marshal.WriteIntPtr(room.Data, (IntPtr)(int)SizeOf<Report>());
+            return room;
+        }
+        internal static double Number(IntPtr report, int offset) { return BitConverter.Int64BitsToDouble(Marshal.ReadInt64(report, offset)); }
+        internal static Drawing DrawingOf(Pinned points, Pinned faces, int[] corners)
+        {
+            return new Drawing { size = SizeOf<Drawing>(), points = points.View, indices = faces.Address,
+                                 index_count = (UIntPtr)corners.Length };
+        }
         internal static UIntPtr SizeOf<T>() { return (UIntPtr)Marshal.SizeOf(typeof(T)); }
         internal static int OffsetOf(string member) { return Marshal.OffsetOf(typeof(Report), member).ToInt32(); }
         internal static UIntPtr Index(int number, string name)
@@ -442,6 +559,14 @@ namespace Cageform
         internal static void Check(int code)
         {
             if (code != 0) throw new CageformException(code);
+        }
+        /// Throws the error of a call with a report.
+        internal static void Check(int code, IntPtr report)
+        {
+            if (code == 0) return;
+            ulong named = (ulong)Marshal.ReadIntPtr(report, culprit).ToInt64();
+            string text = Text(IntPtr.Add(report, message));
+            throw new CageformException(code, named > uint.MaxValue ? null : named.ToString(), text.Length > 0 ? text : null);
         }
         internal static string Text(IntPtr text) { return Marshal.PtrToStringAnsi(text); }
 
@@ -478,5 +603,10 @@ namespace Cageform
                                                                           double[] weights, IntPtr report);
         [DllImport(Library)] internal static extern int cageform_pins_hold(Handle pins, int[] handles, UIntPtr count, IntPtr report);
         [DllImport(Library)] internal static extern int cageform_pins_solve(Handle pins, Points targets, Points pose, IntPtr report);
+        [DllImport(Library)] internal static extern int cageform_fit_wrap(IntPtr coordinates, ref Drawing source, ref Drawing target,
+                                                                          ref WrapOptions options, ref Running running,
+                                                                          out Handle wrap, IntPtr report);
+        [DllImport(Library)] internal static extern int cageform_wrap_move(Handle wrap, Points points, Points moved,
+                                                                           IntPtr jacobians, IntPtr running);
     }
 }

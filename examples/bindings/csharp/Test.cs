@@ -27,6 +27,7 @@ static class Test
         Run("labels", Labels);
         Run("a clip, a level", Clip);
         Run("pins", PullPins);
+        Run("a wrap is bitwise equal to that of Python", Wraps);
         Run("errors", Errors);
         Run("a thousand frames allocate nothing", Frames);
         Run("objects are freed in any order", Order);
@@ -208,6 +209,31 @@ static class Test
             Require(Refused(() => pins.Hold(new[] { 3, 8 })).Culprit == "8");
         }
         Require(Refused(() => new Pins(Read("figure"))).Code != 0);
+    }
+
+    static void Wraps()
+    {
+        float[] source = Floats("source"), target = Floats("target"), coat = Floats("coat"), moved = new float[coat.Length];
+        var faces = new int[Read("faces").Length / 4];
+        Buffer.BlockCopy(Read("faces"), 0, faces, 0, 4 * faces.Length);
+        var landmarks = source.Take(3).Concat(target.Take(3)).Select(x => (double)x).ToArray();
+        using (var wrap = new Wrap(source, faces, target, faces, coat, landmarks, finest: 12, threads: 2))
+        {
+            wrap.Move(coat, moved);
+            Require(moved.SequenceEqual(Floats("coat_moved")));
+            Require(wrap.Reached && wrap.Mean > 0 && wrap.Mean < wrap.Upper && wrap.Upper < 0.01);
+            Throws<ArgumentException>(() => wrap.Move(coat, new float[3]));
+            wrap.Dispose();
+            Throws<ObjectDisposedException>(() => wrap.Move(coat, moved));
+        }
+        var thick = source.Select((x, n) => n % 3 == 2 ? x : 1.5f * x).ToArray();
+        using (var wrap = new Wrap(thick, faces.Reverse().ToArray(), thick, faces, finest: 6)) // inside out
+            Require(!wrap.Reached);
+        Throws<ArgumentNullException>(() => new Wrap(null, faces, target, faces));
+        Throws<ArgumentException>(() => new Wrap(source, faces, target, faces, null, new double[7]));
+        target[16] = float.NaN;
+        var error = Refused(() => new Wrap(source, faces, target, faces));
+        Require(error.Name == "figure_not_finite" && error.Culprit == "5" && error.Message.EndsWith("(target vertex 5)"));
     }
 
     static void Errors()

@@ -30,8 +30,17 @@ moved, turned, along = opened.clone(pose, tangents=True)
 targets, pulled = points[[0, 7, 9]] + np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.5)], np.float32), box
 pins.set(opened, [0, 7, 9])
 pulled, _ = pins.solve(targets, pulled)
+
+turn, rise = np.meshgrid(np.linspace(0, 2 * np.pi, 17)[:-1], np.linspace(0, np.pi, 10)[1:-1])
+sphere = np.stack([np.sin(rise) * np.cos(turn), np.sin(rise) * np.sin(turn), np.cos(rise)], axis=-1).reshape(-1, 3)
+corner = np.arange(len(sphere) - 16)  # open at the poles
+beside = corner // 16 * 16 + (corner + 1) % 16
+tube = np.concatenate([np.stack([corner, corner + 16, beside + 16], 1), np.stack([corner, beside + 16, beside], 1)]).astype(np.int32)
+source, target, coat = (np.float32(sphere * size) for size in ((0.2, 0.2, 1), (0.15, 0.25, 1.2), (0.22, 0.22, 1.1)))
+wrap = cageform.wrap(source, tube, target, tube, [(source[0], target[0])], coat, finest=12)
 for name, array in (('figure', figure), ('samples', samples.pack()), ('pose', pose), ('moved', moved), ('turned', turned),
                     ('along', along), ('sampled', opened.clip('grow').sample(1.5)), ('level', opened.level(1).clone(pose)),
-                    ('targets', targets), ('pulled', pulled),
+                    ('targets', targets), ('pulled', pulled), ('source', source), ('target', target), ('faces', tube),
+                    ('coat', coat), ('coat_moved', wrap.move(coat)),
                     ('plane', cageform.Coordinates(cageform.Cage.polygon(box[[0, 1, 3, 2], :2])).bind(points[:, :2]).pack()[0])):
     array.tofile(folder / name)

@@ -15,7 +15,7 @@ const rows = [
   ['scripts', scripts],
   [
     'scripts of cageform/runtime',
-    scripts.filter(file => !['index.js', 'cages.js', 'bindings.js', 'pins.js'].includes(file)),
+    scripts.filter(file => !['index.js', 'cages.js', 'bindings.js', 'pins.js', 'wraps.js'].includes(file)),
   ],
 ];
 console.log(`${'bytes'.padEnd(30)}${'raw'.padStart(10)}${'gzip'.padStart(10)}${'brotli'.padStart(10)}`);

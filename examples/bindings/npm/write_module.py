@@ -76,7 +76,7 @@ def write_types(header, layouts):
     lines += ['', '/** Numbers of a report, documented in the C header. Fields that do not apply to a call are 0. */',
               'export interface ReportNumbers {']
     for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():
-        if name not in ('size', 'status', 'reserved', 'culprit', 'frame', 'fault', 'message', 'settled'):
+        if name not in ('size', 'status', 'reserved', 'culprit', 'frame', 'fault', 'message', 'settled', 'ended', 'of_target'):
             lines.append('  readonly %s: number;' % camel(name))
     return '\n'.join(lines + ['}', ''])
 

@@ -54,6 +54,19 @@ def hinge():
     return rest, frames, np.array([(i, i + 1, i + 2) for i in range(20)])
 
 
+def ball(size, segments=17, rings=8):
+    """Returns the vertices (138, 3) and the faces of an ellipsoid around two poles."""
+    across = np.pi * np.arange(1, rings + 1)[:, None] / (rings + 1)
+    around = 2 * np.pi * np.arange(segments) / segments
+    places = np.stack(np.broadcast_arrays(np.sin(across) * np.cos(around), np.sin(across) * np.sin(around), np.cos(across)), -1)
+    below, next = 1 + np.arange(rings * segments), np.tile((np.arange(segments) + 1) % segments, rings)
+    right = below - np.tile(np.arange(segments), rings) + next
+    faces = [(0, a, b) for a, b in zip(below[:segments], right)] + [(len(below) + 1, b, a) for a, b in zip(below[-segments:], right[-segments:])]
+    for a, b, c, d in zip(below[:-segments], right[:-segments], below[segments:], right[segments:]):
+        faces += [(a, c, d), (a, d, b)]
+    return np.concatenate([[(0, 0, 1)], places.reshape(-1, 3), [(0, 0, -1)]]) * size, np.array(faces)
+
+
 def rotation(quaternions):
     """Returns the rotation matrices (…, 3, 3) of quaternions x, y, z, w (…, 4)."""
     x, y, z, w = np.moveaxis(quaternions, -1, 0)
@@ -688,6 +701,68 @@ class Made(unittest.TestCase):
         with self.assertRaises(errors.FrameNotFinite) as caught:
             cageform.fit_skeleton(rest, torn, bones=2)
         self.assertEqual((caught.exception.culprit, caught.exception.report.frame), (7, 5))
+
+    def test_wraps(self):
+        """A spheroid is laid on an ellipsoid by a lattice, and by a cage. Its coat follows; poses and Jacobians are those of the map."""
+        (source, faces), (target, _) = ball((0.2, 0.2, 1)), ball((0.15, 0.25, 1.2))
+        coat, marks = 1.1 * source, np.stack([source[[0, -1]], target[[0, -1]]], axis=1)
+        steps = []
+        wrap = cageform.wrap(source, faces, target, faces, marks, coat, weights=[1, 2], finest=12, threads=1, progress=steps.append)
+        again = cageform.wrap(source.tolist(), faces, np.float32(target), faces.tolist(), marks, coat, weights=[1, 2], finest=12)
+        self.assertLess(np.abs(wrap.move(coat) - again.move(coat)).max(), 1e-6)
+        self.assertEqual((steps == sorted(steps), steps[-1], wrap.report.status, wrap.report.ended), (True, 1, 'ok', 'noise'))
+        self.assertAlmostEqual(wrap.report.height, 2.4)
+        self.assertLess(max(wrap.report.to_target_upper, wrap.report.to_source_upper), 0.01)
+        self.assertIn('to target mean: ', str(wrap.report))
+        misses = np.linalg.norm(wrap.move(marks[:, 0]) - marks[:, 1], axis=1) / 2.4
+        self.assertAlmostEqual(misses.max(), wrap.report.miss)
+        self.assertEqual(misses.argmax(), wrap.report.culprit)
+        moved, turns = wrap.move(coat, jacobians=True)
+        self.assertTrue((np.linalg.norm(moved / (0.15, 0.25, 1.2), axis=1) > 1).all(), 'the coat stays outside')
+        aside = wrap.move(coat + (0, 1e-6, 0))
+        np.testing.assert_allclose(turns @ (0, 1, 0), (aside - moved) / 1e-6, atol=1e-4)
+        lattice = cageform.Coordinates(wrap.lattice).bind(coat @ wrap.first[:, :3].T + wrap.first[:, 3])
+        np.testing.assert_allclose(lattice.figure.clone(wrap.lattice_pose), moved, atol=1e-9)
+        self.assertEqual((wrap.move(np.float32(coat)).dtype, wrap.pose.shape), (np.float32, (0, 3)))
+
+        coordinates = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES), dtype=np.float32)
+        wrap = cageform.wrap(source, faces, target, faces, coordinates=coordinates, finest=6)
+        self.assertEqual((wrap.lattice, wrap.pose.shape, wrap.pose.dtype), (None, (8, 3), np.float32))
+        np.testing.assert_allclose(coordinates.bind(source).figure.clone(wrap.pose), wrap.move(source), atol=1e-6)
+        del coordinates
+        gc.collect()
+        self.assertLess(wrap.report.to_target_upper, 0.05)
+        self.assertLess(np.abs(wrap.move(source) - target).max(), 0.2)
+
+    def test_wraps_refused(self):
+        source, faces = ball((0.3, 0.3, 1))
+        holed, beyond = source.copy(), faces.copy()
+        holed[5, 1], beyond[7, 2] = np.nan, len(source)
+        good, marks = (source, faces, source, faces), np.zeros((2, 2, 3))
+        plane = cageform.Coordinates(cageform.Cage.polygon(SQUARE))
+        for kind, words, call in (
+                (errors.FigureNotFinite, 'target vertex 5', lambda: cageform.wrap(source, faces, holed, faces)),
+                (errors.IndexOutOfRange, 'source face 7', lambda: cageform.wrap(source, beyond, source, faces)),
+                (errors.FigureEmpty, '', lambda: cageform.wrap(source, faces, source, np.empty((0, 3), int))),
+                (errors.WeightsNotPositive, 'landmark 1', lambda: cageform.wrap(*good, marks, weights=[1, -1])),
+                (errors.ValueNotFinite, 'follower 5', lambda: cageform.wrap(*good, follow=holed)),
+                (errors.ValueNotFinite, '', lambda: cageform.wrap(*good, floor=1)),
+                (errors.DimensionDiffers, '', lambda: cageform.wrap(*good, coordinates=plane)),
+                (errors.Cancelled, '', lambda: cageform.wrap(*good, progress=lambda done: False)),
+                (ValueError, r'weights.*\(2,\), not \(3,\)', lambda: cageform.wrap(*good, marks, weights=[1, 2, 3])),
+                (ValueError, 'weights: must be positive', lambda: cageform.wrap(*good, marks, weights=[0, 1])),
+                (ValueError, r'landmarks.*\(#landmarks, 2, 3\), not \(2, 3\)', lambda: cageform.wrap(*good, marks[0])),
+                (ValueError, r'target_faces.*\(#faces, 3\)', lambda: cageform.wrap(source, faces, source, faces[:, :2])),
+                (ValueError, 'finest.*not 0', lambda: cageform.wrap(*good, finest=0)),
+                (TypeError, 'wrap makes', cageform.Wrap)):
+            with self.assertRaisesRegex(kind, words):
+                call()
+        with self.assertWarnsRegex(UserWarning, 'less than half'):
+            wrap = cageform.wrap(source, faces, source, faces[:, ::-1], finest=6, least_stiffness=1e-2)
+        self.assertEqual(wrap.report.status, 'fit_not_reached')
+        self.assertGreater(wrap.report.unmatched_source, 0.5)
+        with self.assertRaisesRegex(ValueError, r'points.*not \(7, 2\)'):
+            wrap.move(np.zeros((7, 2)))
 
     def test_pins(self):
         bar = np.array([(0, 0), (2, 0), (4, 0), (6, 0), (6, 1), (4, 1), (2, 1), (0, 1)], float)

@@ -18,7 +18,7 @@ bpy.ops.preferences.addon_enable(module='cageform')
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 
-TESTS = ('test_following', 'test_pins', 'test_export', 'test_files', 'test_wrong')
+TESTS = ('test_following', 'test_pins', 'test_wrap', 'test_export', 'test_files', 'test_wrong')
 
 
 class Install(unittest.TestCase):

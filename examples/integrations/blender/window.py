@@ -197,6 +197,28 @@ def steps():
     yield 0.7
     assert bpy.context.view_layer.objects.active == cage and cage.mode == 'EDIT', 'the faults are shown in edit mode'
     screenshot('fault_selected')
+
+    # Escape stops a wrap, which changes nothing. A wrap that ends writes a shape key.
+    with context():
+        bpy.ops.object.mode_set(mode='OBJECT')
+        wide = monkey(8000, location=(3, 0, 0))
+        wide.scale = 1.2, 1, 0.9
+        wrapped = monkey(8000)
+        select_only(wide, wrapped)
+    for is_stopped in (True, False):
+        threads = threading.active_count()
+        with context():
+            bpy.ops.cageform.wrap_onto('INVOKE_DEFAULT')
+        yield 0.5
+        press('RET')
+        yield from until(lambda: threading.active_count() > threads)
+        if is_stopped:
+            press('ESC')
+        yield from until(lambda: threading.active_count() == threads)
+        yield 1
+        assert (wrapped.data.shape_keys is None) == is_stopped, 'Escape stops a wrap'
+    assert abs(shown(wrapped)[:, 0].mean() - 3) < 0.1, 'the mesh lies on its target'
+    print('  wrapped, after an Escape')
     save('blender_panel', crop('pins', 370, 1057, 265, 720))
     poses = [crop('pose_' + name, 368, 680, 215, 575) for name in ('tall', 'bent', 'twisted')]
     save('blender_poses', np.concatenate(poses, axis=1), 0.75)

@@ -163,7 +163,8 @@ typedef int32_t cageform_status;
     X(951, FRAMES_DO_NOT_MATCH, frames_do_not_match)                                                         \
     X(952, FRAME_NOT_FINITE, frame_not_finite)                                                               \
     X(953, BONES_NOT_SUPPORTED, bones_not_supported)                                                         \
-    X(954, INFLUENCES_NOT_SUPPORTED, influences_not_supported)
+    X(954, INFLUENCES_NOT_SUPPORTED, influences_not_supported)                                               \
+    X(970, FIT_NOT_REACHED, fit_not_reached)
 /* The codes of this interface: */
 #define CAGEFORM_C_STATUSES(X)                                                                               \
     X(1000, ARGUMENT_NULL, argument_null, "an argument must not be null")                                    \
@@ -247,6 +248,7 @@ typedef struct cageform_coordinates cageform_coordinates; /* of a cage */
 typedef struct cageform_binding cageform_binding;         /* all weights of a figure */
 typedef struct cageform_made_cage cageform_made_cage;     /* result of cageform_make_cage */
 typedef struct cageform_skeleton cageform_skeleton;       /* result of cageform_fit_skeleton */
+typedef struct cageform_wrap cageform_wrap;               /* result of cageform_fit_wrap */
 typedef struct cageform_samples cageform_samples;         /* samples of a cage's interior, for pins */
 typedef struct cageform_pins cageform_pins;               /* poses a cage by pins */
 
@@ -326,6 +328,20 @@ typedef struct cageform_report {
     double rms, max_distance;
     double turn; /* rotation error of the faces: 99th percentile, in degrees */
     double mean_influences;
+
+    /* cageform_fit_wrap; distances are relative to `height`. `miss` is the largest distance of a landmark from
+     * its place, and `culprit` is that landmark, or the invalid element. `folded` and the stretches are those
+     * of the map at the source's vertices, the followers and the samples */
+    double height;          /* of the target, along the longest axis of the source */
+    double start;           /* mean distance from the aligned source to the target */
+    double to_target_mean, to_target_upper, to_target_largest; /* from the wrapped source's vertices to the
+                                                                * target; `upper` is the 95th percentile */
+    double to_source_mean, to_source_upper, to_source_largest; /* from the target's vertices to the source */
+    double unmatched_source, unmatched_target; /* share of the vertices without a match */
+    double noise;           /* standard deviation of the target's vertices; below 1e-3: 0 */
+    size_t skipped_faces;   /* faces of the target without area */
+    uint32_t ended;         /* CAGEFORM_ENDED_STAGES, … */
+    uint32_t of_target;     /* 1: `culprit` is of the target */
 } cageform_report;
 
 /* ==== Every frame ======================================================================================= */
@@ -779,6 +795,73 @@ CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleto
                                                           const cageform_output* scales,
                                                           const cageform_output* axes);
 
+/* ---- Wraps --------------------------------------------------------------------------------------------- */
+
+typedef struct cageform_landmark {
+    double source[3], target[3]; /* a point of the source, and its place on the target */
+    double weight; /* relative to other landmarks; 0: 1 */
+} cageform_landmark;
+
+typedef struct cageform_wrap_options {
+    size_t size;
+    const cageform_landmark* landmarks;
+    size_t landmark_count;
+    cageform_points follow; /* points that will follow, such as the vertices of clothes; no data: none */
+    int keep_place;         /* 1: the source is not scaled and moved to the target first */
+    int other_pose;         /* 1: source and target have different poses; needs landmarks */
+    int refine_contacts;    /* 1: a finer lattice where parts touch; twice the time; without coordinates only */
+    /* Spans of the finest lattice along the target's height: 6, 12, 24, … up to 96; 0: 24. With coordinates
+     * lattices begin at 12, and 6 is the cage alone. */
+    uint32_t finest;
+    double least_stiffness; /* the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5 */
+    double floor;           /* lower bound of the map's least singular value; 0: 0.1 */
+    double residual;        /* ends the search below this report.to_target_upper; 0: never */
+} cageform_wrap_options;
+
+/* Why a search ended. */
+enum cageform_wrap_end {
+    CAGEFORM_ENDED_STAGES = 0,   /* all stages are done */
+    CAGEFORM_ENDED_RESIDUAL = 1, /* options.residual is reached */
+    CAGEFORM_ENDED_NOISE = 2,    /* the median residual is at the noise of the target */
+    CAGEFORM_ENDED_FOLD = 3      /* a finer fit would fold space */
+};
+
+/* Wraps a source onto a target: finds a map of space that lays one figure on another. Clothes, hair and joints
+ * of the source follow by cageform_wrap_move.
+ *
+ *   coordinates     null: the map is a lattice. Else a pose of their cage, then a lattice behind it. They must
+ *                   have gradients; the map refers to them, also after they are freed
+ *   source, target  triangles in 3D of any topology; open, noisy or in parts. Both have the same up and front,
+ *                   unless three or more landmarks align them; radii and areas are ignored
+ *   options         or null
+ *   running         threads, progress, cancellation; or null. The result does not depend on threads
+ *   fails           CAGEFORM_FIT_NOT_REACHED: less than half of a figure has a match; `wrap` is set all the same */
+CAGEFORM_API cageform_status cageform_fit_wrap(const cageform_coordinates* coordinates,
+                                               const cageform_drawing* source, const cageform_drawing* target,
+                                               const cageform_wrap_options* options,
+                                               const cageform_running* running, cageform_wrap** wrap,
+                                               cageform_report* report);
+/* Moves points by the map.
+ *
+ *   points     in the space of the source; any scalar
+ *   moved      out, as many points; may be the same memory
+ *   jacobians  out, or null: 9 numbers a point, the images of the axes x, y, z by the map's derivative
+ *   running    or null */
+CAGEFORM_API cageform_status cageform_wrap_move(const cageform_wrap* wrap, cageform_points points,
+                                                cageform_output moved, const cageform_output* jacobians,
+                                                const cageform_running* running);
+
+/* A map of space: `first`, then the pose of the cage, then the pose of the lattice. The poses are for
+ * cageform_clone. The memory is valid until the object is freed. */
+typedef struct cageform_wrap_info {
+    size_t size;
+    double first[12];             /* the images of the axes x, y, z and of the origin; identity with a cage */
+    cageform_points pose;         /* of the coordinates' handles; count 0 without coordinates */
+    const cageform_cage* lattice; /* in the space of the target; null: none */
+    cageform_points lattice_pose; /* of its control points */
+} cageform_wrap_info;
+CAGEFORM_API cageform_status cageform_wrap_describe(const cageform_wrap* wrap, cageform_wrap_info* info);
+
 /* ---- Samples for pins ---------------------------------------------------------------------------------- */
 
 typedef struct cageform_samples_options {
@@ -810,5 +893,6 @@ CAGEFORM_API cageform_status cageform_samples_pack(const cageform_samples* sampl
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
 #include <cageform/c/detail/pack.impl.hpp>
 #include <cageform/c/detail/skeleton.impl.hpp>
+#include <cageform/c/detail/wrap.impl.hpp>
 #endif
 #endif

@@ -1,7 +1,7 @@
 // The WebAssembly module: calls, memory, errors. All other scripts of the package use this one.
 
 import { importsOf, wasiHost } from './host.js';
-import { CONSTANTS, STATUSES, STRUCTS } from './layout.js';
+import { CHOICES, CONSTANTS, STATUSES, STRUCTS } from './layout.js';
 
 /** The invalid index. */
 export const NONE = 0xffffffff;
@@ -163,11 +163,12 @@ export class Engine {
     }
   }
 
-  /** Makes an object: calls a function whose argument after `given` is the output pointer. Returns the object's address. */
-  make(scope, name, given, { report = null, progress = null } = {}) {
+  /** Makes an object: calls a function whose argument after `given` is the output pointer. Returns the object's address. With
+   *  the status `accepts`, there is an object, too. */
+  make(scope, name, given, { report = null, progress = null, accepts = 0 } = {}) {
     const made = scope.struct(4);
     const code = this.run(name, [...given, made, ...(report === null ? [] : [report])], progress);
-    this.check(code, report === null ? null : scope.report(report));
+    if (code !== accepts) this.check(code, report === null ? null : scope.report(report));
     return this.view('u32', made, 1)[0];
   }
 
@@ -235,7 +236,9 @@ export class Scope {
       read = {};
     for (const [field, [kind, offset, count]] of Object.entries(STRUCTS[name].fields)) {
       const place = at + offset;
-      if (kind === 'u32') read[field] = data.getUint32(place, true);
+      if (kind === 'u32' && count > 1)
+        read[field] = Array.from({ length: count }, (_, k) => data.getUint32(place + 4 * k, true));
+      else if (kind === 'u32') read[field] = data.getUint32(place, true);
       else if (kind === 'i32') read[field] = data.getInt32(place, true);
       else if (kind === 'f64' && count > 1)
         read[field] = Array.from({ length: count }, (_, k) => data.getFloat64(place + 8 * k, true));
@@ -302,6 +305,8 @@ const ELEMENTS = {
   [CONSTANTS.LOOP]: 'loop',
 };
 
+const ENDS = Object.keys(CHOICES.wrapEnd);
+
 /** An error or a warning about a cage. */
 export class Fault {
   constructor(its, engine) {
@@ -322,11 +327,13 @@ export class Fault {
 
 /** The result of a call. */
 export class Report {
-  constructor({ size, reserved, status, culprit, frame, fault, settled, ...numbers }, engine) {
+  constructor({ size, reserved, status, culprit, frame, fault, settled, ended, ofTarget, ...numbers }, engine) {
     this.status = STATUSES[status] ?? 'failed';
     this.culprit = culprit === NONE ? null : culprit;
     Object.assign(this, numbers);
     this.settled = settled !== 0;
+    this.ended = ENDS[ended];
+    this.ofTarget = ofTarget !== 0;
     this.fault = fault.text === 0 ? null : new Fault(fault, engine);
   }
   toString() {

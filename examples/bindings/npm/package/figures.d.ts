@@ -1,6 +1,6 @@
 // Types for the functions of every frame.
 
-import type { LibraryStatus, ReportNumbers } from './layout.js';
+import type { LibraryStatus, ReportNumbers, WrapEnd } from './layout.js';
 
 /** A flat array of numbers, or an array per point. Float32Array and Float64Array are read without conversion. */
 export type Numbers =
@@ -46,6 +46,10 @@ export interface Report extends ReportNumbers {
   readonly fault: Fault | null;
   /** Pins: the last solve moved no handle by more than 3e-5 of the cage's size. */
   readonly settled: boolean;
+  /** Wraps: 'stages', 'residual' or 'noise' (was reached), 'fold': a finer fit would fold space. */
+  readonly ended: WrapEnd;
+  /** Wraps: the culprit is of the target. */
+  readonly ofTarget: boolean;
   toString(): string;
 }
 

@@ -234,3 +234,56 @@ export class Pins extends Owner {
   /** Moves a copy of the pose towards the targets, one per pin. Repeat, for instance every frame, until report.settled. */
   solve(targets: Numbers, pose: Numbers): { pose: Array32or64; report: Report };
 }
+
+export interface WrapOptions {
+  /** Points of the source, and their places on the target. */
+  landmarks?: readonly (readonly [from: readonly number[], to: readonly number[]])[];
+  /** Relative weights of the landmarks; default: 1. */
+  weights?: readonly number[];
+  /** Points that will follow, such as the vertices of clothes. Those outside the source are kept outside the target. */
+  follow?: Numbers;
+  /** Coordinates with gradients: a pose of their cage, then a lattice behind it. Default: a lattice alone. */
+  coordinates?: Coordinates;
+  /** Whether to scale and move the source to the target first; default: true. */
+  align?: boolean;
+  /** Source and target have different poses; needs landmarks. */
+  otherPose?: boolean;
+  /** Spans of the finest lattice along the target's height: 6, 12, 24 (default) … 96. With coordinates lattices begin at 12,
+   *  and 6 is the cage alone. */
+  finest?: number;
+  /** A finer lattice where parts touch, such as thighs; takes twice the time; without coordinates only. */
+  refineContacts?: boolean;
+  /** The search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5. */
+  leastStiffness?: number;
+  /** Lower bound of the map's least singular value; 0: 0.1. */
+  floor?: number;
+  /** Ends the search below this report.toTargetUpper; 0: never. */
+  residual?: number;
+  progress?: Progress;
+}
+
+/** A map of space: `first`, then the pose of the cage, then the pose of the lattice. Arrays are copies. */
+export class Wrap extends Owner {
+  private constructor();
+  readonly report: Report;
+  /** The images of the axes x, y, z and of the origin; the identity if there are coordinates. */
+  readonly first: readonly number[];
+  /** The pose of the coordinates, for clone(); empty without coordinates. */
+  readonly pose: Array32or64;
+  /** In the space of the target; null: no lattice. */
+  readonly lattice: Cage | null;
+  readonly latticePose: Array32or64;
+  /** Moves points of the source. Jacobians are 9 numbers per point: the images of the axes x, y, z. */
+  move(points: Numbers, options?: { jacobians?: boolean }): { points: Array32or64; jacobians: Array32or64 | undefined };
+}
+
+/** Finds a map of space that lays a source on a target, both triangle meshes in 3D. Clothes, hair and joints of the source
+ *  follow by move(). Both figures have the same up and front, unless three or more landmarks align them. If less than half of
+ *  a figure has a match, report.status is 'fit_not_reached'. The call takes seconds: run it in a worker. */
+export function wrap(
+  source: Numbers,
+  sourceFaces: Indices,
+  target: Numbers,
+  targetFaces: Indices,
+  options?: WrapOptions,
+): Wrap;

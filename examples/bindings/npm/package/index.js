@@ -8,6 +8,7 @@ export { Cage, check, makeCage } from './cages.js';
 export { CageformError, Fault, Report } from './engine.js';
 export { Clip, Figure, open } from './figures.js';
 export { Pins, Samples, compileClip, openSamples } from './pins.js';
+export { Wrap, wrap } from './wraps.js';
 export const version = VERSION;
 
 /** Starts the library. */

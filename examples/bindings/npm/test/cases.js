@@ -11,6 +11,7 @@ import {
   SQUARE,
   TRIANGLES,
   assert,
+  ball,
   difference,
   equal,
   randomOf,
@@ -801,6 +802,79 @@ export const tests = [
         sameBits(figure.clip('there and back').sample(0.7), native.sample, native.name);
       }
       equal(runtime.version, cageform.version, 'versions');
+    },
+  },
+
+  {
+    name: 'a wrap lays a figure on another, and its coat follows',
+    run({ cageform }) {
+      const { Cage, Coordinates, wrap } = cageform;
+      const { vertices: unit, faces } = ball(),
+        scaled = size => unit.map(vertex => vertex.map((x, k) => x * size[k]));
+      const source = scaled([0.2, 0.2, 1]),
+        target = scaled([0.15, 0.25, 1.2]),
+        coat = scaled([0.22, 0.22, 1.1]),
+        steps = [];
+      const landmarks = [[source[0], target[0]]];
+      const map = wrap(source, faces, target, faces, {
+        landmarks,
+        follow: coat,
+        finest: 12,
+        progress: done => void steps.push(done),
+      });
+      const { report } = map;
+      assert(report.toTargetUpper < 0.01 && report.start > 0.01 && report.miss < 0.02, String(report));
+      assert(report.status === 'ok' && report.ended === 'noise' && steps.at(-1) === 1, 'report');
+      const { points: moved, jacobians } = map.move(coat, { jacobians: true });
+      const isOutside = (x, n) => n % 3 > 0 || Math.hypot(x / 0.15, moved[n + 1] / 0.25, moved[n + 2] / 1.2) > 1;
+      assert(moved.length === 3 * coat.length && moved.every(isOutside), 'the coat stays outside');
+      const aside = map.move(coat.map(([x, y, z]) => [x, y + 1e-6, z])).points;
+      assert(
+        jacobians.every(
+          (slope, n) =>
+            n % 9 < 3 ||
+            n % 9 > 5 ||
+            Math.abs((aside[3 * Math.floor(n / 9) + (n % 3)] - moved[3 * Math.floor(n / 9) + (n % 3)]) / 1e-6 - slope) <
+              1e-4,
+        ),
+        'Jacobians',
+      );
+      const placed = coat.map(p =>
+        [0, 1, 2].map(j => p[0] * map.first[j] + p[1] * map.first[3 + j] + p[2] * map.first[6 + j] + map.first[9 + j]),
+      );
+      const lattice = new Coordinates(map.lattice, { scalar: 'float64' }).bind(placed).figure;
+      assert(difference(lattice.clone(map.latticePose).points, moved) < 1e-9, 'the lattice is the map');
+      assert(
+        map.pose.length === 0 && map.move(Float32Array.from(coat.flat())).points instanceof Float32Array,
+        'arrays',
+      );
+
+      const coordinates = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
+      const by = wrap(source, faces, target, faces, { coordinates, finest: 6 });
+      const bound = coordinates.bind(source);
+      coordinates.free();
+      assert(by.lattice === null && by.report.toTargetUpper < 0.05, String(by.report));
+      assert(difference(bound.figure.clone(by.pose).points, by.move(source).points) < 1e-5, 'the pose is the map');
+
+      const thick = scaled([0.3, 0.3, 1]),
+        insideOut = faces.map(([a, b, c]) => [b, a, c]);
+      const bad = wrap(thick, faces, thick, insideOut, { finest: 6, leastStiffness: 1e-2 });
+      assert(bad.report.status === 'fit_not_reached' && bad.report.unmatchedSource > 0.5, String(bad.report));
+      const error = refused(cageform, 'figure_not_finite', () =>
+        wrap(
+          source,
+          faces,
+          target.map((vertex, n) => (n === 5 ? [0, NaN, 0] : vertex)),
+          faces,
+        ),
+      );
+      assert(error.culprit === 5 && error.report.ofTarget && error.message.includes('target vertex 5'), error.message);
+      refused(cageform, 'figure_empty', () => wrap(source, faces, target, []));
+      refused(cageform, 'cancelled', () => wrap(source, faces, target, faces, { progress: () => false }));
+      refused(cageform, 'invalid_argument', () => wrap(source, faces, target, faces, { landmarks: [[[0, 0, 0]]] }));
+      refused(cageform, 'invalid_argument', () => wrap(source, faces, target, faces, { finest: 0 }));
+      refused(cageform, 'weights_not_positive', () => wrap(source, faces, target, faces, { landmarks, weights: [-1] }));
+      refused(cageform, 'object_of_another_kind', () => wrap(source, faces, target, faces, { coordinates: bound }));
     },
   },
 ];

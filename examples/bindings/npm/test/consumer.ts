@@ -14,8 +14,9 @@ import {
   open,
   openSamples,
   version,
+  wrap,
 } from 'cageform';
-import type { Array32or64, BindOptions, Binding, Fault, Report, Status } from 'cageform';
+import type { Array32or64, BindOptions, Binding, Fault, Report, Status, Wrap, WrapOptions } from 'cageform';
 import { init as initRuntime, open as openSmall } from 'cageform/runtime';
 
 function expect(holds: boolean, what: string): void {
@@ -64,6 +65,30 @@ expect(
   ).cage.dimension === 2,
   'made cage',
 );
+const corners = [
+    [0, 0, 1],
+    [1, 0, 0],
+    [-1, 1, 0],
+    [-1, -1, 0],
+  ],
+  sides = [0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2],
+  choice: WrapOptions = {
+    landmarks: [
+      [
+        [0, 0, 1],
+        [0, 0, 1],
+      ],
+    ],
+    finest: 6,
+    follow: [0, 0, 2],
+  };
+const wrapped: Wrap = wrap(corners, sides, corners, sides, choice);
+expect(wrapped.report.ended === 'stages' && wrapped.first.length === 12, String(wrapped.report));
+expect(wrapped.lattice?.kind === 'lattice' && wrapped.latticePose.length > 0 && wrapped.pose.length === 0, 'poses');
+expect(
+  wrapped.move([0, 0, 2]).points.length === 3 && wrapped.move([], { jacobians: true }).jacobians?.length === 0,
+  'move',
+);
 try {
   figure.clone([0]);
 } catch (error) {
@@ -85,5 +110,5 @@ for (const wrong of [
     expect(error instanceof CageformError, String(error));
   }
 }
-for (const object of [figure, binding, coordinates, pins, clip]) object.free();
+for (const object of [figure, binding, coordinates, pins, clip, wrapped]) object.free();
 console.log(`typed consumer of cageform ${version}: ok`);

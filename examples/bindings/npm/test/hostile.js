@@ -98,7 +98,7 @@ export function hostile({ cageform }, count, seed) {
   };
   const names = (
     'out normals tangents kind scalar progress dimension vertices radii tolerance clips levels poses format ' +
-    'weights points origin axes degree skipChecksum divisions samples falloff disk accuracy'
+    'weights points origin axes degree skipChecksum divisions samples falloff disk accuracy landmarks follow coordinates'
   ).split(' ');
   const words =
     'green harmonic mean-value splines sibson barycentric float32 float64 box hull half int8 x smooth wave'.split(' ');
@@ -204,6 +204,16 @@ export function hostile({ cageform }, count, seed) {
             mostly(() => ({ vertices: 12, progress: () => pick(50) > 0 })),
           )
         : cageform.makeCage(arrayOf(), arrayOf(), anything(1)),
+    () =>
+      pick(150) === 0
+        ? cageform.wrap(
+            mostly(() => CUBE),
+            mostly(() => TRIANGLES),
+            mostly(() => uniformly(random, 24, -2, 2)),
+            mostly(() => TRIANGLES),
+            mostly(() => ({ finest: 6, follow: mostly(arrayOf), progress: () => pick(50) > 0 })),
+          )
+        : cageform.wrap(arrayOf(), arrayOf(), arrayOf(), arrayOf(), anything(1)),
   ];
   let refusals = 0;
   const met = new Set();

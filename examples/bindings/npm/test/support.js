@@ -100,3 +100,25 @@ export const BOX = {
     [0, 0, 2],
   ],
 };
+
+/** Returns the vertices and the faces of a unit sphere around two poles. */
+export function ball(segments = 17, rings = 8) {
+  const vertices = [[0, 0, 1]],
+    faces = [],
+    last = 1 + segments * rings;
+  const at = (ring, segment) =>
+    ring === 0 ? 0 : ring > rings ? last : 1 + (ring - 1) * segments + (segment % segments);
+  for (let ring = 0; ring <= rings; ++ring) {
+    for (let segment = 0; segment < segments; ++segment) {
+      const across = (Math.PI * (ring + 1)) / (rings + 1),
+        around = (2 * Math.PI * segment) / segments;
+      if (ring < rings) {
+        vertices.push([Math.sin(across) * Math.cos(around), Math.sin(across) * Math.sin(around), Math.cos(across)]);
+        faces.push([at(ring, segment), at(ring + 1, segment), at(ring + 1, segment + 1)]);
+      }
+      if (ring > 0) faces.push([at(ring, segment), at(ring + 1, segment + 1), at(ring, segment + 1)]);
+    }
+  }
+  vertices.push([0, 0, -1]);
+  return { vertices, faces };
+}

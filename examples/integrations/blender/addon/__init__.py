@@ -12,9 +12,10 @@ bl_info = {
 
 import bpy
 
-from . import deform, export, follow, operators, panel, pin_operators, properties
+from . import deform, export, follow, operators, panel, pin_operators, properties, wrap_operator
 
-CLASSES = properties.CLASSES + operators.CLASSES + pin_operators.CLASSES + export.CLASSES + panel.CLASSES
+CLASSES = (properties.CLASSES + operators.CLASSES + pin_operators.CLASSES + wrap_operator.CLASSES + export.CLASSES +
+           panel.CLASSES)
 
 
 def register():

@@ -149,12 +149,16 @@ def shown_triangles(figure, depsgraph):
     """Returns the vertices in world space and the triangles of an object as shown."""
     evaluated = figure.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
+    points, triangles = deform.moved(deform.positions(mesh).astype(np.float64), evaluated.matrix_world), triangles_of(mesh)
+    evaluated.to_mesh_clear()
+    return points, triangles
+
+
+def triangles_of(mesh):
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get('vertices', corners)
-    points = deform.moved(deform.positions(mesh).astype(np.float64), evaluated.matrix_world)
-    evaluated.to_mesh_clear()
-    return points, corners.reshape(-1, 3)
+    return corners.reshape(-1, 3)
 
 
 class AddCage(bpy.types.Operator):

@@ -7,6 +7,7 @@ from . import deform
 from .export import Bake, WriteFigure, WriteGltf
 from .operators import AddCage, Bind, MakeCage, RemoveCage, SelectFaults, SelectOutside, active_binding
 from .pin_operators import AddPins, RemovePins
+from .wrap_operator import WrapOnto
 
 
 def write(layout, context, text):
@@ -44,6 +45,7 @@ class CAGEFORM_PT_panel(bpy.types.Panel):
             return
         layout.operator(MakeCage.bl_idname, icon='MESH_ICOSPHERE')
         layout.operator(AddCage.bl_idname)
+        layout.operator(WrapOnto.bl_idname, icon='MOD_SHRINKWRAP')
         its = figure.cageform
         if len(its.bindings) > 1:
             layout.template_list('CAGEFORM_UL_bindings', '', its, 'bindings', its, 'active', rows=2)

@@ -24,6 +24,13 @@ cageform_status copy_points(const cageform_points& points, std::vector<Vec<T, D>
     return status;
 }
 
+inline std::vector<std::array<std::uint32_t, 3>> triangles_of(const std::uint32_t* indices,
+                                                              std::size_t count) {
+    std::vector<std::array<std::uint32_t, 3>> faces(count / 3);
+    for (std::size_t n = 0; n < faces.size(); ++n) std::copy_n(indices + 3 * n, 3, faces[n].begin());
+    return faces;
+}
+
 /// The dimension of a cage.
 inline std::size_t dimension_of(const cageform_cage& cage) noexcept {
     switch (cage.kind) {

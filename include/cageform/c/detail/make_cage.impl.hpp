@@ -58,15 +58,22 @@ inline cageform_status make_cage_in_plane(const cageform_drawing& drawing, const
     return CAGEFORM_OK;
 }
 
+/// Copies the vertices and the triangles of a drawing in space.
+inline cageform_status copy_mesh(const cageform_drawing& drawing, std::vector<Vec<double, 3>>& points,
+                                 std::vector<std::array<std::uint32_t, 3>>& faces) {
+    cageform_status status = check_drawing(drawing, 3);
+    if (status == CAGEFORM_OK) status = copy_points(drawing.points, points);
+    if (status == CAGEFORM_OK) faces = triangles_of(drawing.indices, drawing.index_count);
+    return status;
+}
+
 inline cageform_status make_cage_in_space(const cageform_drawing& drawing, const MakeCageOptions& options,
                                           const Running& running, cageform_made_cage& object,
                                           cageform_report& report) {
     std::vector<Vec<double, 3>> points;
-    cageform_status status = check_drawing(drawing, 3);
-    if (status == CAGEFORM_OK) status = copy_points(drawing.points, points);
-    if (status != CAGEFORM_OK) return status;
-    std::vector<std::array<std::uint32_t, 3>> faces(drawing.index_count / 3);
-    for (std::size_t n = 0; n < faces.size(); ++n) std::copy_n(drawing.indices + 3 * n, 3, faces[n].begin());
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    if (const cageform_status status = copy_mesh(drawing, points, faces); status != CAGEFORM_OK)
+        return status;
     auto [cage, made] = make_cage(points, faces, options, running);
     fill(report, made);
     if (made.status != Status::ok) return code_of(made.status);

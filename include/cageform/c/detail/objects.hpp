@@ -42,6 +42,7 @@ struct Object {
         samples,
         pins,
         skeleton,
+        wrap,
         none
     };
 
@@ -173,6 +174,34 @@ auto view_of(const P& points, cageform_status& status) noexcept {
                                     status == CAGEFORM_OK ? points.count : 0,
                                     static_cast<std::ptrdiff_t>(stride));
 }
+
+/// An output of either scalar with D numbers an element. Discards values if the caller passed none.
+template <std::size_t D>
+class AnyOutput {
+public:
+    cageform_status set(const cageform_output* output, std::size_t count) noexcept {
+        if (output == nullptr) return CAGEFORM_OK;
+        output_ = *output;
+        const cageform_status status = check_points(output_, D, stride_);
+        if (status != CAGEFORM_OK) return status;
+        return output_.count < count ? code_of(Status::output_too_small) : CAGEFORM_OK;
+    }
+    template <class T>
+    void store(std::size_t n, const T* numbers) const noexcept {
+        if (output_.data == nullptr) return;
+        std::byte* const at = static_cast<std::byte*>(output_.data) + n * stride_;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (output_.scalar == CAGEFORM_DOUBLE)
+                reinterpret_cast<double*>(at)[k] = static_cast<double>(numbers[k]);
+            else
+                reinterpret_cast<float*>(at)[k] = static_cast<float>(numbers[k]);
+        }
+    }
+
+private:
+    cageform_output output_{};
+    std::size_t stride_ = 0;
+};
 
 /// Makes an object and calls fill(object), which returns a status code.
 template <class X, class Fill>

@@ -7,6 +7,7 @@
 #include <cageform/binding/types/pose_sample_options.hpp>
 #include <cageform/c/detail/messages.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
+#include <cageform/fit/types/wrap.hpp>
 #include <cageform/parallel/running.hpp>
 #include <cageform/skeleton/types/skeleton_options.hpp>
 
@@ -126,6 +127,30 @@ inline void fill(cageform_report& report, const SkeletonReport& fitted, std::siz
     report.max_distance = fitted.max_distance;
     report.turn = fitted.turn;
     report.mean_influences = fitted.mean_influences;
+    report.seconds = fitted.seconds;
+}
+inline void fill(cageform_report& report, const WrapReport& fitted) noexcept {
+    report.culprit = fitted.culprit != WrapReport::none ? fitted.culprit : fitted.missed;
+    report.of_target = fitted.of_target ? 1 : 0;
+    report.miss = fitted.miss;
+    report.samples = fitted.samples;
+    for (const auto& step : fitted.steps) report.iterations += step.iterations;
+    report.folded = fitted.folded_vertices + fitted.folded_followers + fitted.folded_samples;
+    report.least_stretch = fitted.least_stretch;
+    report.largest_stretch = fitted.largest_stretch;
+    report.height = fitted.height;
+    report.start = fitted.start.mean;
+    report.to_target_mean = fitted.to_target.mean;
+    report.to_target_upper = fitted.to_target.upper;
+    report.to_target_largest = fitted.to_target.largest;
+    report.to_source_mean = fitted.to_source.mean;
+    report.to_source_upper = fitted.to_source.upper;
+    report.to_source_largest = fitted.to_source.largest;
+    report.unmatched_source = fitted.unmatched_source;
+    report.unmatched_target = fitted.unmatched_target;
+    report.noise = fitted.noise;
+    report.skipped_faces = fitted.skipped_faces;
+    report.ended = static_cast<std::uint32_t>(fitted.ended);
     report.seconds = fitted.seconds;
 }
 

@@ -67,33 +67,6 @@ inline cageform_status fit_skeleton_of(const cageform_points& rest, const cagefo
                                             : fit(view_of<float, 3>(frames, status));
 }
 
-/// The output for each bone in each frame; discards values if the caller passed none.
-template <std::size_t D>
-class BoneOutput {
-public:
-    cageform_status set(const cageform_output* output, std::size_t count) noexcept {
-        if (output == nullptr) return CAGEFORM_OK;
-        output_ = *output;
-        const cageform_status status = check_points(output_, D, stride_);
-        if (status != CAGEFORM_OK) return status;
-        return output_.count < count ? code_of(Status::output_too_small) : CAGEFORM_OK;
-    }
-    void store(std::size_t n, const double* numbers) const noexcept {
-        if (output_.data == nullptr) return;
-        std::byte* const at = static_cast<std::byte*>(output_.data) + n * stride_;
-        for (std::size_t k = 0; k < D; ++k) {
-            if (output_.scalar == CAGEFORM_DOUBLE)
-                reinterpret_cast<double*>(at)[k] = numbers[k];
-            else
-                reinterpret_cast<float*>(at)[k] = static_cast<float>(numbers[k]);
-        }
-    }
-
-private:
-    cageform_output output_{};
-    std::size_t stride_ = 0;
-};
-
 } // namespace cageform::inline CAGEFORM_ABI::detail::c
 
 extern "C" {
@@ -110,8 +83,7 @@ cageform_status cageform_fit_skeleton(cageform_points rest, cageform_points fram
         if (const cageform_status status = c::read_struct(options, own); status != CAGEFORM_OK) return status;
         if (own.kind > CAGEFORM_STRETCHED) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         if (index_count % 3 != 0) return cageform_status(CAGEFORM_COUNTS_DO_NOT_MATCH);
-        std::vector<std::array<std::uint32_t, 3>> faces(index_count / 3);
-        for (std::size_t n = 0; n < faces.size(); ++n) std::copy_n(indices + 3 * n, 3, faces[n].begin());
+        const auto faces = c::triangles_of(indices, index_count);
         cageform::SkeletonOptions choice;
         choice.bones = own.bones;
         if (own.influences > 0) choice.influences = own.influences;
@@ -154,8 +126,8 @@ cageform_status cageform_skeleton_transforms(const cageform_skeleton* skeleton, 
         return CAGEFORM_ARGUMENT_NULL;
     const auto& fitted = skeleton->fitted;
     const std::size_t count = fitted.bones * fitted.frames;
-    c::BoneOutput<3> to_translations, to_scales;
-    c::BoneOutput<4> to_rotations, to_axes;
+    c::AnyOutput<3> to_translations, to_scales;
+    c::AnyOutput<4> to_rotations, to_axes;
     status = to_translations.set(&translations, count);
     if (status == CAGEFORM_OK) status = to_rotations.set(&rotations, count);
     if (status == CAGEFORM_OK) status = to_scales.set(scales, count);

@@ -18,7 +18,7 @@ inline std::vector<WrapOptions::Stage> wrap_stages(const WrapOptions& options, b
             stages.push_back({0, {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0.05});
         else
             stages.push_back({6, {1e-2, 1e-3, 1e-4}, 0.08});
-        for (unsigned cells = 12; cells <= options.finest; cells *= 2) {
+        for (unsigned cells = 12; cells <= (std::min)(options.finest, 192u); cells *= 2) {
             if (cells == 12) stages.push_back({cells, {1e-4, 1e-5}, 0.05});
             if (cells == 24) stages.push_back({cells, {1e-5, 1e-6, 1e-7}, 0.03});
             if (cells > 24) stages.push_back({cells, {1e-7}, 0.03});

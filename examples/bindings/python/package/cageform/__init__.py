@@ -28,10 +28,11 @@ from ._library import version as _version
 from ._pins import Pins, Samples, open_samples
 from ._reports import Fault, Report
 from ._skeletons import Skeleton, fit_skeleton
+from ._wraps import Wrap, wrap
 from .errors import CageformError
 
 __all__ = ['Binding', 'Cage', 'CageformError', 'Clip', 'Coordinates', 'Fault', 'Figure', 'Pins', 'Report', 'Samples',
-           'Skeleton', 'check', 'compile_clip', 'errors', 'fit_skeleton', 'make_cage', 'open', 'open_samples']
+           'Skeleton', 'Wrap', 'check', 'compile_clip', 'errors', 'fit_skeleton', 'make_cage', 'open', 'open_samples', 'wrap']
 __version__ = _version()
 
 for _name in __all__:  # so that messages, help() and pickles show the public names

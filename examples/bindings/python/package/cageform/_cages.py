@@ -93,6 +93,14 @@ class Cage:
         return Cage(_c.CAGEFORM_LATTICE, members=members)
 
     @staticmethod
+    def _of_lattice(its: Any) -> Cage:
+        """Copies a lattice of the library in 3D."""
+        members = {'points': np.array(its.points), 'degree': np.array(its.degree), 'origin': np.array(its.origin),
+                   'axes': np.array(its.axes), 'dimension': 3}
+        members['knots'] = [np.ctypeslib.as_array(its.knots[k], (its.knot_counts[k],)).copy() for k in range(3)]
+        return Cage(_c.CAGEFORM_LATTICE, members=members)
+
+    @staticmethod
     def sites(vertices: npt.ArrayLike) -> Cage:
         """Makes a cage of points without faces, (#sites, 2 or 3), for Sibson coordinates."""
         return Cage(_c.CAGEFORM_SITES, arrays.points(vertices, 'vertices'))
@@ -143,6 +151,10 @@ class Cage:
             elif name == 'walls':
                 its.keeps.append(value)
                 its.walls, its.wall_index_count = arrays.pointer(value), value.size
+            elif name == 'knots':
+                its.keeps.append(value)
+                for k, knots in enumerate(value):
+                    its.knots[k], its.knot_counts[k] = arrays.pointer(knots, ctypes.c_double), knots.size
             elif name == 'axes':
                 for axis, edge in zip(its.axes, value):
                     axis[:len(value)] = edge.tolist()

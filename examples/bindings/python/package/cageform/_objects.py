@@ -89,20 +89,21 @@ def invoke(function: Any, *arguments: Any, running: Optional[Running] = None) ->
     return _invoke(function, arguments, running, ())
 
 
-def make(function: Any, *arguments: Any, running: Optional[Running] = None, keeps: Tuple[Any, ...] = ()) \
-        -> Tuple[Handle, Report]:
+def make(function: Any, *arguments: Any, running: Optional[Running] = None, keeps: Tuple[Any, ...] = (),
+         accepts: int = _c.CAGEFORM_OK) -> Tuple[Handle, Report]:
     """Calls a function that creates an object. Its last arguments are the running struct (if `running` is given), the
-    address for the object, and a report."""
+    address for the object, and a report. It also creates the object with the status `accepts`."""
     made = ctypes.c_void_p()
     try:
-        report = _invoke(function, arguments, running, (ctypes.byref(made),))
+        report = _invoke(function, arguments, running, (ctypes.byref(made),), accepts)
     except BaseException:
         library.cageform_free(made)  # the object exists if `progress` raised in its last call
         raise
     return Handle(made.value or 0, *keeps), report
 
 
-def _invoke(function: Any, arguments: Tuple[Any, ...], running: Optional[Running], out: Tuple[Any, ...]) -> Report:
+def _invoke(function: Any, arguments: Tuple[Any, ...], running: Optional[Running], out: Tuple[Any, ...],
+            accepts: int = _c.CAGEFORM_OK) -> Report:
     its = struct(_c.cageform_report)
     if running is None:
         code = function(*arguments, *out, its)
@@ -110,7 +111,7 @@ def _invoke(function: Any, arguments: Tuple[Any, ...], running: Optional[Running
         with running:
             code = function(*arguments, running.struct, *out, its)
     report = Report._of(its)
-    if code != _c.CAGEFORM_OK:
+    if code not in (_c.CAGEFORM_OK, accepts):
         raise error_of(code, report.message, report.culprit, report)
     return report
 

@@ -10,6 +10,7 @@ from ._arrays import index_of
 
 _ELEMENTS: Dict[int, str] = {_c.CAGEFORM_VERTEX: 'vertex', _c.CAGEFORM_EDGE: 'edge', _c.CAGEFORM_FACE: 'face',
                              _c.CAGEFORM_LOOP: 'loop'}
+_ENDS: Dict[int, str] = {number: name for name, number in _c.CHOICES['wrap_end'].items()}
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,23 @@ class Report:
     turn: float = 0                #: rotation error of the faces: 99th percentile, in degrees
     mean_influences: float = 0
 
+    # wrap; distances are relative to `height`. miss is the largest distance of a landmark from its place, and the culprit is
+    # this landmark. folded and the stretches are those of the map at source, followers and samples
+    height: float = 0              #: of the target, along the longest axis of the source
+    start: float = 0               #: mean distance from the aligned source to the target
+    to_target_mean: float = 0      #: from the vertices of the wrapped source to the target
+    to_target_upper: float = 0     #: 95th percentile
+    to_target_largest: float = 0
+    to_source_mean: float = 0      #: from the vertices of the target to the wrapped source
+    to_source_upper: float = 0
+    to_source_largest: float = 0
+    unmatched_source: float = 0    #: share of the vertices without a match
+    unmatched_target: float = 0
+    noise: float = 0               #: standard deviation of the target's vertices; below 1e-3: 0
+    skipped_faces: int = 0         #: faces of the target without area
+    ended: str = 'stages'          #: 'stages', 'residual' or 'noise' (was reached), 'fold': a finer fit would fold space
+    of_target: bool = False        #: the culprit is of the target
+
     def __str__(self) -> str:
         lines = [self.message] if self.message else []
         if self.fault and self.fault.is_warning:
@@ -127,5 +145,6 @@ class Report:
         members = {own.name: getattr(its, own.name) for own in fields(cls)}
         members.update(status=_c.STATUSES.get(its.status, 'failed'), message=its.message.decode(),
                        culprit=index_of(its.culprit), frame=index_of(its.frame),
-                       fault=Fault._of(its.fault) if its.fault.text else None, settled=bool(its.settled))
+                       fault=Fault._of(its.fault) if its.fault.text else None, settled=bool(its.settled),
+                       ended=_ENDS[its.ended], of_target=bool(its.of_target))
         return cls(**members)
