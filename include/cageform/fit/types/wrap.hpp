@@ -47,8 +47,8 @@ struct WrapOptions {
     std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
     /// The largest number of samples of space. The grid has a spacing of 1/50 of the height, or more.
     std::size_t samples = 16000;
-    /// The largest number of unknown handles of a lattice. Stages with more are left out; compact figures such
-    /// as heads have many handles.
+    /// The largest number of unknown handles of a lattice. Stages with more are left out. Compact figures,
+    /// such as heads, have many handles.
     std::size_t handles = 8000;
     double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
     double residual = 0; ///< ends the search below this 95th percentile, relative to the height
