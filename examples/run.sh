@@ -22,7 +22,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 30 "$1"
+  printf '[%d/%d] %s\n' $count 31 "$1"
 }
 mkdir -p out
 step "configure"
@@ -317,6 +317,13 @@ for weights in heat harmonic; do
   "$programs/skin_mesh" out/character.obj --bones out/character.bones.csv --weights $weights -o out/bones_$weights.glb \
     --picture out/bones_$weights.png --report >>$report
 done
+
+step "a puppet on another"
+"$programs/make_character" out/adult --followers >>$report
+"$programs/make_character" out/child --girth 1.4 --child 0.6 >>$report
+"$programs/wrap_mesh" out/adult/character.obj out/child/character.obj -o out/wrapped.obj --push-out 0.05% --picture out/wrap.png --report \
+  --follow out/adult/character_tights.obj:out/tights.obj --follow out/adult/character_skirt.obj:out/skirt.obj \
+  --follow out/adult/character.bones.csv:out/wrapped.bones.csv >>$report
 
 step "a hand"
 # Control points without a cage: natural neighbours, moved by 22 joint angles.

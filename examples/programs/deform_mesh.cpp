@@ -259,19 +259,6 @@ void print_report(const Arguments& given, const MeshFile& figure, const MeshCont
               << describe(posed.folds, given.no_folds && posed.folds.report.count > 0);
 }
 
-/// Notes material files that the output names, but that are in another folder.
-void note_materials(const Arguments& given, const MeshFile& figure) {
-    const auto folder_of = [](const std::string& path) {
-        return std::filesystem::absolute(path).lexically_normal().parent_path();
-    };
-    if (const auto materials = material_files(figure);
-        !materials.empty() && folder_of(given.out) != folder_of(given.figure)) {
-        note(given.out + " names its materials as " + given.figure +
-             " does: " + detail::quoted(materials[0]) + (materials.size() > 1 ? " and more" : "") +
-             " (and their textures), which must be in the same folder");
-    }
-}
-
 /// Binds, clones and writes the requested files.
 int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl control) {
     const auto& [coordinates, cage] = std::tie(control.coordinates, control.cage);
@@ -302,7 +289,7 @@ int deform_figure(const Arguments& given, const MeshFile& figure, MeshControl co
         draw_pose(given, figure, control, posed).write_png(outputs.add(given.picture));
     fail_if(outputs.commit());
     for (const std::string& text : notes) note(text);
-    note_materials(given, figure);
+    note(describe_materials(figure, given.out));
     if (given.report) print_report(given, figure, control, posed);
     return 0;
 }

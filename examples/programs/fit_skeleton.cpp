@@ -103,22 +103,6 @@ MddFile sample_animation(Arguments& given, const MeshFile& figure) {
     return file;
 }
 
-/// Returns the error if the meshes have equally many faces, and a face has other vertices. Else empty.
-std::string fault_of_faces(const MeshFile& figure, const MeshFile& frame) {
-    const auto sorted = [](const MeshFile& mesh, std::size_t f) { // --flip-faces reverses faces
-        std::vector<std::uint32_t> vertices;
-        for (const MeshCorner& corner : mesh.faces[f].corners) vertices.push_back(corner.vertex);
-        std::sort(vertices.begin(), vertices.end());
-        return vertices;
-    };
-    for (std::size_t f = 0; figure.faces.size() == frame.faces.size() && f < figure.faces.size(); ++f) {
-        if (sorted(figure, f) != sorted(frame, f))
-            return frame.name + ": face " + std::to_string(f + 1) + " has other vertices than that of " +
-                   figure.name + ": a frame is the figure with its vertices moved";
-    }
-    return {};
-}
-
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
 MddFile read_frames(Arguments& given, MeshFile& figure) {
     if (given.frames.size() == 1 && lowercase_extension(given.frames[0]) == ".mdd") {
@@ -151,12 +135,7 @@ MddFile read_frames(Arguments& given, MeshFile& figure) {
         if (lowercase_extension(path) == ".mdd")
             throw Failure(path + ": one MDD file holds all frames: give it alone, after " + given.rest);
         auto frame = value_or_fail(load_mesh(path, strays_of(given.is_strict)));
-        if (frame.vertices.size() != figure.vertices.size()) {
-            throw Failure(path + " has " + std::to_string(frame.vertices.size()) + " vertices, " +
-                          given.rest + " has " + std::to_string(figure.vertices.size()) +
-                          ": a frame is the figure with its vertices moved");
-        }
-        fail_if(fault_of_faces(figure, frame));
+        fail_if(fault_of_frame(figure, frame));
         fail_if(leave_out_also(figure, frame.left_out, path + ": ", given.is_strict));
         fail_if(single_precision_fault(frame));
         frames.push_back(std::move(frame.vertices));

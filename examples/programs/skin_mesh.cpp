@@ -11,6 +11,7 @@
 #include "cli/progress_bar.hpp"
 #include "files/bind_report.hpp"
 #include "files/gltf_skeleton.hpp"
+#include "files/welded_mesh.hpp"
 #include "io/atomic_file.hpp"
 #include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
@@ -23,7 +24,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <map>
 #include <numbers>
 
 namespace {
@@ -161,33 +161,6 @@ std::string why_not(const Arguments& given, const MeshFile& figure, const std::v
     }
     return (report.status == Status::value_not_finite ? bones[report.solver.culprit].name : figure.name) +
            ": " + cageform::to_string(report.status);
-}
-
-/// A figure with vertices of equal joined_places() merged, so that they get equal weights.
-struct WeldedMesh {
-    std::vector<Point3> places;
-    std::vector<std::uint32_t> first;                    // #places: a vertex of the file at each
-    std::vector<std::uint32_t> place_of;                 // #vertices of the file
-    std::vector<std::array<std::uint32_t, 3>> triangles; // of places, without degenerate ones
-};
-
-WeldedMesh welded(const MeshFile& figure) {
-    WeldedMesh mesh;
-    std::map<std::array<double, 3>, std::uint32_t> known;
-    const std::vector<Point3> joined = joined_places(figure);
-    for (std::uint32_t v = 0; v < joined.size(); ++v) {
-        const Point3& p = joined[v];
-        const auto [at, is_new] = known.insert({{p[0], p[1], p[2]}, std::uint32_t(mesh.places.size())});
-        mesh.place_of.push_back(at->second);
-        if (!is_new) continue;
-        mesh.places.push_back(p);
-        mesh.first.push_back(v);
-    }
-    for (const auto& [a, b, c] : figure.triangles) {
-        const std::array<std::uint32_t, 3> t{mesh.place_of[a], mesh.place_of[b], mesh.place_of[c]};
-        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh.triangles.push_back(t);
-    }
-    return mesh;
 }
 
 /// Copies weights of places to the vertices of the file.
@@ -337,7 +310,7 @@ Skin skin_of(const Arguments& given, const std::string& name, const std::vector<
 
 /// The weights at the vertices of the file, equal at equal positions.
 Skin skin_of(const Arguments& given, const MeshFile& figure, const std::vector<Bone>& bones) {
-    const WeldedMesh joined = welded(figure);
+    const WeldedMesh joined = welded_mesh(figure);
     Skin made = skin_of(given, figure.name, joined.places, joined.triangles, bones);
     if (made.report.status == Status::ok) {
         made.value = spread(joined, made.value, bones.size());

@@ -2660,6 +2660,9 @@ chmod 0 locked.csv
 # ---- skeletons ----
 . "$here/skeletons.sh"
 
+# ---- wraps ----
+. "$here/wrap_mesh.sh"
+
 # ---- what holds of all files ----
 . "$here/files.sh"
 # ---- tiles of points ----

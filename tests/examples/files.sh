@@ -49,6 +49,7 @@ cp "$data/puzzle.csv" pool
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
   echo 250,250,260,250 >pins.csv
   printf '0,250,250\n1,260,250\n' >markers.csv
+  printf '0,0\n7,7\n' >corners.csv
   printf 'low,,0.5,0.5,0.1,0.5,0.5,0.5,0,0,0\nhigh,low,0.5,0.5,0.5,0.5,0.5,0.9,20,0,0\n' >bones.csv
   printf '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n' >hand.csv
   printf '{"cage": {"vertices": [[0,0],[1,0],[0,1]], "loops": [[0,1,2]]}, "points": [[0.25,0.25]], "coordinates": [[0.5,0.25,0.25]]}' >triangle.json
@@ -268,6 +269,8 @@ form make_cage box.obj -o out.obj --picture out.png
 form pose_cage box.obj --move 0:0.1,0,0 -o out.obj --picture out.png
 form lattice_fit box.obj bent_box.obj --cage box.lattice.json -o out.obj --picture out.png
 form pose_hand --pose hand.csv -o out.obj --picture out.png
+told="out.obj saved.obj out.png"
+form wrap_mesh box.obj bent_box.obj --landmarks corners.csv --cage cage.obj --save-pose saved.obj -o out.obj --picture out.png
 told=out.png
 form lattice_board -o out.png
 told="out.glb out.png"
@@ -320,7 +323,7 @@ cd ..
 without_inputs="make_hand hand_sheet sibson_figures"
 # Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area --animation"
+  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area --animation --follow --morph --landmark --push-out"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

@@ -2,12 +2,13 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{cli/{clip_motion,mesh_cage,mesh_folds,pins,pose_operations},files/{bind_report,cage_file,clip_file,curved_cage,gltf_*,lattice_file,marker_file,medit_file,mesh_file,moved_normals,obj_file,obj_parts,ply_file,ply_mesh,site_file,stl_file},io/*,svg/*}.cpp
+//             examples/support/{cli/{clip_motion,landmarks,mesh_cage,mesh_folds,pins,pose_operations},files/{bind_report,cage_file,clip_file,curved_cage,gltf_*,lattice_file,marker_file,medit_file,mesh_file,moved_normals,obj_file,obj_parts,ply_file,ply_mesh,point_table,site_file,stl_file},io/*,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
 // tests/gltf/make_models.py writes more seeds of glTF files.
-// Readers: cage (CSV), clip, css, gltf, lottie, markers, medit, obj, pins, ply, poses, stl. SVG has a driver of its own.
+// Readers: cage (CSV), clip, css, gltf, landmarks, lottie, markers, medit, obj, pins, ply, points (CSV), poses, stl. SVG has a driver of its own.
+#include "cli/landmarks.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_folds.hpp"
 #include "cli/pins.hpp"
@@ -94,6 +95,31 @@ void read_pins_in(const std::string& text) {
 void read_pins(const std::string& text) {
     read_pins_in<2>(text);
     read_pins_in<3>(text);
+}
+
+/// Checks that landmarks are finite, and their weights positive.
+void read_landmarks(const std::string& text) {
+    const std::vector<Point3> vertices{{0, 0, 0}, {1, 2, 3}};
+    Landmarks landmarks;
+    const std::string why = parse_landmarks(text, "file.csv", {vertices, vertices}, landmarks);
+    REQUIRE(!why.empty() || !landmarks.marks.empty());
+    (void)parse_landmark(text, {vertices, vertices}, landmarks);
+    REQUIRE(landmarks.names.size() == landmarks.marks.size());
+    for (const auto& mark : landmarks.marks)
+        REQUIRE(cageform::is_finite(mark.from) && cageform::is_finite(mark.to) && mark.weight > 0);
+}
+
+/// Checks that points that stay give the text, and moved points can be read again.
+void read_points(const std::string& text) {
+    const auto table = parse_point_table(text, "file.csv");
+    if (!taken(table)) return;
+    REQUIRE(to_text(*table, table->points) == text);
+    std::vector<Point3> moved;
+    for (const Point3& p : table->points) moved.push_back({-p[1], p[2] + 1, p[0]});
+    const auto again = parse_point_table(to_text(*table, moved), "file.csv");
+    REQUIRE(taken(again) && again->points == moved && again->segments == table->segments);
+    Landmarks landmarks;
+    REQUIRE(add_landmarks(*table, *again, landmarks).empty());
 }
 
 void read_markers(const std::string& text) {
@@ -305,6 +331,15 @@ const std::map<std::string, Reader>& readers() {
          {read_pins,
           {"915,165:=760,+6e1@-40", "3:+0.2,0.4,-1@30,y", "x,y,tx,ty\n# a\n1,2,3,4\n1,2,3,4,,2\n1,2,3,4,5\n",
            "vertex,x,y,z\n1,2,3,4\n1,2,3,4,5,6\n4,2,3,4,0,0,90,1e-308\n1,2,3,4,5,6,,,,0.5\n"}}},
+        {"landmarks",
+         {read_landmarks,
+          {"vertex,x,y,z\n0,1,2,3\n1,1\r\n# a\n1,2,3,4,5,6,0.5\n", "0,1e308,-1e308,nan\n", "1:=0,+1,2",
+           "0,0,-1\n"}}},
+        {"points",
+         {read_points,
+          {"name,x,y,z\n\"a, b\", 1 ,+2,3e0\r\n\n# c\nd,4,5,6,7\n",
+           "a,,0,1,2,3,4,5,0,0,90\nb,a,0,1,2,3,4,5,0,0,1e-320", "1,2,3\n1,inf,3\n", "id,Z,X,Y,z\n1,2,3,4,5\n",
+           "a,b,c\n,1,2\n"}}},
         {"markers",
          {read_markers,
           {"late,a,0.5\nground,1,2\ntime,a x,a y,b,\nrest,1,2,3,4\n0,1,2,,\n0.5,,,4,4\n1,2,2,5,6\n",

@@ -35,24 +35,6 @@ std::string read_numbers(std::span<const std::string_view> parts, std::span<doub
     return {};
 }
 
-/// Parses a position, or in space the number of a vertex.
-template <std::size_t D>
-std::string read_place(std::span<const std::string_view> parts, std::span<const Vec<double, D>> vertices,
-                       Vec<double, D>& place) {
-    if (parts.size() == D) return read_numbers(parts, place.v);
-    const std::string_view text = parts[0];
-    std::size_t vertex = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
-    if (end != text.data() + text.size() || text.empty())
-        return quoted(text) + " is not the number of a vertex";
-    if (error != std::errc{} || vertex >= vertices.size()) {
-        return "there is no vertex " + std::string(text.substr(0, 40)) + ": the figure has " +
-               std::to_string(vertices.size()) + ", counted from 0";
-    }
-    place = vertices[vertex];
-    return {};
-}
-
 /// Parses the target of a pin: a position, or with signs a displacement.
 template <std::size_t D>
 std::string read_target(std::string_view text, Pin<D>& pin) {
@@ -86,7 +68,7 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
                (D == 2 ? ", but a pin has x,y,TX,TY[,ANGLE[,WEIGHT]]"
                        : ", but a pin has x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]], or a vertex for x,y,z");
     }
-    std::string why = read_place<D>(fields.first(place), vertices, pin.place);
+    std::string why = detail::parse_place<D>(fields.first(place), vertices, pin.place);
     if (why.empty()) why = read_numbers(fields.subspan(place), pin.target.v);
     const auto rest = fields.subspan(place + D);
     const auto of_turn = rest.first(std::min(rest.size(), turn_size));
@@ -106,6 +88,23 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
 } // namespace
 
 template <std::size_t D>
+std::string detail::parse_place(std::span<const std::string_view> parts,
+                                std::span<const Vec<double, D>> vertices, Vec<double, D>& place) {
+    if (parts.size() == D) return read_numbers(parts, place.v);
+    const std::string_view text = parts[0];
+    std::size_t vertex = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
+    if (end != text.data() + text.size() || text.empty())
+        return quoted(text) + " is not the number of a vertex";
+    if (error != std::errc{} || vertex >= vertices.size()) {
+        return "there is no vertex " + std::string(text.substr(0, 40)) + ": the figure has " +
+               std::to_string(vertices.size()) + ", counted from 0";
+    }
+    place = vertices[vertex];
+    return {};
+}
+
+template <std::size_t D>
 Expected<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D>> vertices) {
     const std::size_t at = std::min(word.find('@'), word.size());
     const std::size_t colon = std::min(word.find(':'), at);
@@ -116,7 +115,7 @@ Expected<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D>
     if (place.size() != D && (D == 2 || place.size() != 1))
         why = quoted(word.substr(0, colon)) + " is not a place: write " + a_point<D> +
               (D == 2 ? "" : ", or the number of a vertex");
-    if (why.empty()) why = read_place<D>(place, vertices, pin.place);
+    if (why.empty()) why = detail::parse_place<D>(place, vertices, pin.place);
     pin.target = pin.place;
     if (why.empty() && colon < at)
         why = read_target(detail::trim(word.substr(colon + 1, at - colon - 1)), pin);
@@ -182,6 +181,10 @@ std::string contradiction(const std::vector<Pin<D>>& pins) {
     return {};
 }
 
+template std::string detail::parse_place(std::span<const std::string_view>, std::span<const Vec<double, 2>>,
+                                         Vec<double, 2>&);
+template std::string detail::parse_place(std::span<const std::string_view>, std::span<const Vec<double, 3>>,
+                                         Vec<double, 3>&);
 template Expected<Pin<2>> parse_pin(std::string_view, std::span<const Vec<double, 2>>);
 template Expected<Pin<3>> parse_pin(std::string_view, std::span<const Vec<double, 3>>);
 template Expected<std::vector<Pin<2>>> parse_pins(std::string_view, const std::string&,

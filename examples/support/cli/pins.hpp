@@ -49,6 +49,17 @@ struct Pin {
     bool is_relative = false; ///< whether the target was given as a displacement
 };
 
+namespace detail {
+
+/// Parses a position, or in space the number of a vertex. Returns the error; empty on success.
+///
+///   parts   D numbers, or one
+template <std::size_t D>
+std::string parse_place(std::span<const std::string_view> parts,
+                        std::span<const cageform::Vec<double, D>> vertices, cageform::Vec<double, D>& place);
+
+} // namespace detail
+
 /// Parses a pin of the command line, PLACE[:TARGET][@TURN].
 ///
 ///   vertices   of the figure, for pins by vertex number in space; else empty

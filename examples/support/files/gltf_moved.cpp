@@ -576,7 +576,7 @@ private:
         std::vector<std::string> notes;
         const double size = size_of(mesh_);
         const auto add = [&](const std::string& what, double distance) {
-            notes.push_back(mesh_.name + ": " + what + ", the largest distance from the cage's result is " +
+            notes.push_back(mesh_.name + ": " + what + ", the largest distance from the exact result is " +
                             detail::short_number(distance) + ", " +
                             detail::short_number(100 * distance / size) + " % of its size");
         };

@@ -236,6 +236,26 @@ std::string fault_of_reversing(const MeshFile& mesh) {
     return is_supported ? "" : "--flip-faces: " + mesh.name + ": the format is not supported";
 }
 
+std::string fault_of_frame(const MeshFile& figure, const MeshFile& frame) {
+    constexpr const char* rule = ": a frame is the figure with its vertices moved";
+    if (frame.vertices.size() != figure.vertices.size()) {
+        return frame.name + " has " + std::to_string(frame.vertices.size()) + " vertices, " + figure.name +
+               " has " + std::to_string(figure.vertices.size()) + rule;
+    }
+    const auto sorted = [](const MeshFile& mesh, std::size_t f) { // --flip-faces reverses faces
+        std::vector<std::uint32_t> vertices;
+        for (const MeshCorner& corner : mesh.faces[f].corners) vertices.push_back(corner.vertex);
+        std::sort(vertices.begin(), vertices.end());
+        return vertices;
+    };
+    for (std::size_t f = 0; figure.faces.size() == frame.faces.size() && f < figure.faces.size(); ++f) {
+        if (sorted(figure, f) != sorted(frame, f))
+            return frame.name + ": face " + std::to_string(f + 1) + " has other vertices than that of " +
+                   figure.name + rule;
+    }
+    return {};
+}
+
 Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,
                                              const std::string& out, OutputFiles& outputs) {
     if (mesh.document == nullptr) {

@@ -210,6 +210,10 @@ std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
 /// The error if with_faces_reversed() does not support the mesh's format; else empty.
 std::string fault_of_reversing(const MeshFile& mesh);
 
+/// The error if a mesh is not a figure with its vertices moved: another number of vertices, or equally many
+/// faces and one with other vertices. Else empty.
+std::string fault_of_frame(const MeshFile& figure, const MeshFile& frame);
+
 /// Writes the mesh's file with moved vertices and normals. Returns notes for the user; fails if the format
 /// cannot store the result.
 Expected<std::vector<std::string>> save_mesh(const MeshFile& mesh, const MovedVertices& moved,

@@ -407,4 +407,15 @@ std::vector<std::string> material_files(const MeshFile& file) {
     return names;
 }
 
+std::string describe_materials(const MeshFile& file, const std::string& copy) {
+    const auto folder_of = [](const std::string& path) {
+        return fs::absolute(path).lexically_normal().parent_path();
+    };
+    const auto materials = material_files(file);
+    if (materials.empty() || folder_of(copy) == folder_of(file.name)) return {};
+    return copy + " names its materials as " + file.name + " does: " + detail::quoted(materials[0]) +
+           (materials.size() > 1 ? " and more" : "") +
+           " (and their textures), which must be in the same folder";
+}
+
 } // namespace cageform_support

@@ -47,4 +47,8 @@ ObjParts read_parts(const MeshFile& file);
 /// The MTL files that a file names, as written.
 std::vector<std::string> material_files(const MeshFile& file);
 
+/// Returns a note on material files that a copy of the file names, but that are in another folder; empty if
+/// there are none.
+std::string describe_materials(const MeshFile& file, const std::string& copy);
+
 } // namespace cageform_support

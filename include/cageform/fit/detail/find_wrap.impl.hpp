@@ -51,7 +51,8 @@ public:
             return Status::figure_has_no_size;
         Status status = set_scene(frame, running.subtask(0, 0.1));
         if (status != Status::ok) return status;
-        const auto stages = wrap_stages(options_, cage_ != nullptr);
+        std::vector<WrapOptions::Stage> stages = wrap_stages(options_, cage_ != nullptr);
+        leave_out_large(stages);
         for (std::size_t n = 0; n < stages.size() && status == Status::ok; ++n) {
             const double from = 0.1 + 0.85 * double(n) / double(stages.size()),
                          to = 0.1 + 0.85 * double(n + 1) / double(stages.size());
@@ -191,6 +192,29 @@ private:
         }
     }
 
+    Bounds<double, 3> lattice_box() const {
+        Bounds<double, 3> box = bounds_of(std::span<const Point>(scene_.samples.now));
+        for (const MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.marks}) {
+            if (points->size() > 0) box.include(bounds_of(std::span<const Point>(points->now)));
+        }
+        return box;
+    }
+    /// Removes lattices with too many handles near samples, but not the first stage.
+    void leave_out_large(std::vector<WrapOptions::Stage>& stages) {
+        std::erase_if(stages, [&](const WrapOptions::Stage& stage) {
+            if (stage.cells == 0 || &stage == &stages.front()) return false;
+            const WrapLattice lattice(lattice_box(), 1.0 / stage.cells);
+            LatticeRows rows;
+            (void)lattice.weights(scene_.samples.now, rows);
+            std::vector<char> is_used(lattice.size());
+            for (std::size_t n = 0; n < rows.size(); ++n)
+                rows.for_each(n, [&](std::size_t i, double /*w*/) { is_used[i] = 1; });
+            const auto used = std::size_t(std::count(is_used.begin(), is_used.end(), char{1}));
+            if (used <= options_.handles) return false;
+            if (report_.left_out == 0) report_.left_out = stage.cells;
+            return true;
+        });
+    }
     Status run_stage(const WrapFrame& frame, const std::vector<WrapOptions::Stage>& stages, std::size_t n,
                      const Running& running) {
         constexpr std::size_t coarse_vertices = 5000;
@@ -206,11 +230,7 @@ private:
             return run_basis(basis, options, cage_pose_, running, true);
         }
         if (!lattice_) {
-            Bounds<double, 3> box = bounds_of(std::span<const Point>(scene_.samples.now));
-            for (const MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.marks}) {
-                if (points->size() > 0) box.include(bounds_of(std::span<const Point>(points->now)));
-            }
-            lattice_.emplace(box, 1.0 / stages[n].cells);
+            lattice_.emplace(lattice_box(), 1.0 / stages[n].cells);
             lattice_pose_ = lattice_->rest();
         }
         while (lattice_->cell() > 1.01 / stages[n].cells) lattice_->refine(lattice_pose_);

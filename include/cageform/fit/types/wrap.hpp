@@ -47,6 +47,9 @@ struct WrapOptions {
     std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
     /// The largest number of samples of space. The grid has a spacing of 1/50 of the height, or more.
     std::size_t samples = 16000;
+    /// The largest number of unknown handles of a lattice. Stages with more are left out. Compact figures,
+    /// such as heads, have many handles.
+    std::size_t handles = 8000;
     double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
     double residual = 0; ///< ends the search below this 95th percentile, relative to the height
 };
@@ -93,6 +96,7 @@ struct WrapReport {
     std::size_t folded_vertices = 0, folded_followers = 0, folded_samples = 0; ///< after the alignment
     double least_stretch = 1, largest_stretch = 1; ///< singular values at these places
     std::vector<Step> steps;
+    unsigned left_out = 0; ///< spans of the first lattice with more than WrapOptions::handles; 0: none
     double seconds = 0;
 };
 
