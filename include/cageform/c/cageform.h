@@ -341,6 +341,7 @@ typedef struct cageform_report {
     double unmatched_source, unmatched_target; /* share of the vertices without a match */
     double noise;         /* standard deviation of the target's vertices; below 1e-3: 0 */
     size_t skipped_faces; /* faces of the target without area */
+    size_t left_out;      /* spans of the first lattice with more than options.handles; 0: none */
     uint32_t ended;       /* CAGEFORM_ENDED_STAGES, … */
     uint32_t of_target;   /* 1: `culprit` is of the target */
 } cageform_report;
@@ -817,6 +818,8 @@ typedef struct cageform_wrap_options {
     double least_stiffness; /* the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5 */
     double floor;           /* lower bound of the map's least singular value; 0: 0.1 */
     double residual;        /* ends the search below this report.to_target_upper; 0: never */
+    size_t samples; /* about the largest number of samples of space; 0: 16000 */
+    size_t handles; /* the largest number of handles; lattices with more are left out; 0: 8000 */
 } cageform_wrap_options;
 
 /* Why a search ended. */

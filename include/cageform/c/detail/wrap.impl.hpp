@@ -101,6 +101,8 @@ inline cageform_status copy_options(const cageform_wrap_options& given, std::vec
     if (given.least_stiffness != 0) options.least_stiffness = given.least_stiffness;
     if (given.floor != 0) options.floor = given.floor;
     options.residual = given.residual;
+    if (given.samples != 0) options.samples = given.samples;
+    if (given.handles != 0) options.handles = given.handles;
     return status;
 }
 
