@@ -301,6 +301,7 @@ private:
     std::vector<Point> unit_cage(const WrapFrame& frame) const {
         const Similarity of_source = frame.unit.after(frame.first);
         std::vector<Point> rest;
+        rest.reserve(cage_->rest.size());
         for (std::size_t i = 0; i < cage_->rest.size(); ++i)
             rest.push_back(cage_->is_point[i] != 0 ? of_source(cage_->rest[i])
                                                    : of_source.linear(cage_->rest[i]));
