@@ -832,7 +832,7 @@ static void test_wraps(void) {
     cageform_report report;
     counts its = {0, 0, 3, 0};
     cageform_running running = running_of(&its);
-    double moved[BALL][3], first[BALL][3], jacobians[BALL][9], near[BALL][3];
+    double moved[BALL][3], first[BALL][3], jacobians[BALL][9], aside[BALL][3];
     cageform_output to_jacobians = output_of(jacobians, BALL, CAGEFORM_DOUBLE, 9);
     const double step_size = 1e-6;
     size_t n, k, j, inside_target = 0;
@@ -865,14 +865,14 @@ static void test_wraps(void) {
     CHECK(inside_target == 0);
     for (k = 0; k < 3; ++k) { /* the Jacobians are the derivatives of the map */
         for (n = 0; n < BALL; ++n) {
-            memcpy(near[n], coat.vertices[n], sizeof near[n]);
-            near[n][k] += step_size;
+            memcpy(aside[n], coat.vertices[n], sizeof aside[n]);
+            aside[n][k] += step_size;
         }
-        CHECK(cageform_wrap_move(wrap, points_of(near, BALL, CAGEFORM_DOUBLE, 3),
-                                 output_of(near, BALL, CAGEFORM_DOUBLE, 3), NULL, NULL) == CAGEFORM_OK);
+        CHECK(cageform_wrap_move(wrap, points_of(aside, BALL, CAGEFORM_DOUBLE, 3),
+                                 output_of(aside, BALL, CAGEFORM_DOUBLE, 3), NULL, NULL) == CAGEFORM_OK);
         for (n = 0; n < BALL; ++n) {
             for (j = 0; j < 3; ++j)
-                CHECK(fabs((near[n][j] - moved[n][j]) / step_size - jacobians[n][3 * k + j]) < 1e-4);
+                CHECK(fabs((aside[n][j] - moved[n][j]) / step_size - jacobians[n][3 * k + j]) < 1e-4);
         }
     }
     /* The described lattice is the map. */

@@ -7,8 +7,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #define CAGEFORM_WRAP(T, D)                                                                                  \
-    CAGEFORM_COMPILE Status find_wrap(const SurfaceMesh&, const SurfaceMesh&, const WrapOptions&,            \
-                                      const WrapCageInput*, const Running&, Result<Wrap<T>, WrapReport>&);
+    CAGEFORM_COMPILE Status find_wrap(const WrapInput&, const Running&, Result<Wrap<T>, WrapReport>&);
 CAGEFORM_FOR_SCALARS(CAGEFORM_WRAP, 3)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -714,6 +714,8 @@ class Made(unittest.TestCase):
         self.assertAlmostEqual(wrap.report.height, 2.4)
         self.assertLess(max(wrap.report.to_target_upper, wrap.report.to_source_upper), 0.01)
         self.assertIn('to target mean: ', str(wrap.report))
+        coarse = cageform.wrap(source, faces, target, faces, handles=500, samples=1000).report
+        self.assertEqual((coarse.left_out, coarse.samples < 1200), (12, True))
         misses = np.linalg.norm(wrap.move(marks[:, 0]) - marks[:, 1], axis=1) / 2.4
         self.assertAlmostEqual(misses.max(), wrap.report.miss)
         self.assertEqual(misses.argmax(), wrap.report.culprit)

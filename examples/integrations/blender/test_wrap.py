@@ -1,6 +1,7 @@
 """A mesh is laid on another, and clothes follow."""
 
 import unittest
+import warnings
 
 import bpy
 import numpy as np
@@ -66,8 +67,11 @@ class Wrap(unittest.TestCase):
 
     def test_bad_fit(self):
         """A target inside out gives a warning; the result is there all the same."""
+        self.source.scale = self.target.scale = 0.3, 0.3, 1
         self.target.data.flip_normals()
-        self.wrap(target='Target')
+        with warnings.catch_warnings(record=True) as told:
+            self.wrap(target='Target')
+        self.assertIn('less than half', ' '.join(str(each.message) for each in told))
         self.assertIsNotNone(deform.find_key(self.source, wrap_operator.NAME))
 
     def test_refused(self):

@@ -201,10 +201,11 @@ def steps():
     # Escape stops a wrap, which changes nothing. A wrap that ends writes a shape key.
     with context():
         bpy.ops.object.mode_set(mode='OBJECT')
-        wide = monkey(8000, location=(3, 0, 0))
-        wide.scale = 1.2, 1, 0.9
-        wrapped = monkey(8000)
-        select_only(wide, wrapped)
+        for x, scale in ((3, (0.3, 0.2, 1)), (0, (0.2, 0.2, 1))):
+            bpy.ops.mesh.primitive_uv_sphere_add(location=(x, 0, 0))
+            wrapped = bpy.context.object
+            wrapped.scale = scale
+        select_only(bpy.data.objects['Sphere'], wrapped)
     for is_stopped in (True, False):
         threads = threading.active_count()
         with context():

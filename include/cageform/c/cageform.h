@@ -332,16 +332,18 @@ typedef struct cageform_report {
     /* cageform_fit_wrap; distances are relative to `height`. `miss` is the largest distance of a landmark from
      * its place, and `culprit` is that landmark, or the invalid element. `folded` and the stretches are those
      * of the map at the source's vertices, the followers and the samples */
-    double height;          /* of the target, along the longest axis of the source */
-    double start;           /* mean distance from the aligned source to the target */
-    double to_target_mean, to_target_upper, to_target_largest; /* from the wrapped source's vertices to the
-                                                                * target; `upper` is the 95th percentile */
-    double to_source_mean, to_source_upper, to_source_largest; /* from the target's vertices to the source */
+    double height; /* of the target, along the longest axis of the source */
+    double start;  /* mean distance from the aligned source to the target */
+    /* From the vertices of the wrapped source to the target, and from those of the target to the wrapped
+     * source: mean, 95th percentile, maximum. */
+    double to_target_mean, to_target_upper, to_target_largest;
+    double to_source_mean, to_source_upper, to_source_largest;
     double unmatched_source, unmatched_target; /* share of the vertices without a match */
-    double noise;           /* standard deviation of the target's vertices; below 1e-3: 0 */
-    size_t skipped_faces;   /* faces of the target without area */
-    uint32_t ended;         /* CAGEFORM_ENDED_STAGES, … */
-    uint32_t of_target;     /* 1: `culprit` is of the target */
+    double noise;         /* standard deviation of the target's vertices; below 1e-3: 0 */
+    size_t skipped_faces; /* faces of the target without area */
+    size_t left_out;      /* spans of the first lattice with more than options.handles; 0: none */
+    uint32_t ended;       /* CAGEFORM_ENDED_STAGES, … */
+    uint32_t of_target;   /* 1: `culprit` is of the target */
 } cageform_report;
 
 /* ==== Every frame ======================================================================================= */
@@ -799,7 +801,7 @@ CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleto
 
 typedef struct cageform_landmark {
     double source[3], target[3]; /* a point of the source, and its place on the target */
-    double weight; /* relative to other landmarks; 0: 1 */
+    double weight;               /* relative to other landmarks; 0: 1 */
 } cageform_landmark;
 
 typedef struct cageform_wrap_options {
@@ -816,6 +818,8 @@ typedef struct cageform_wrap_options {
     double least_stiffness; /* the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5 */
     double floor;           /* lower bound of the map's least singular value; 0: 0.1 */
     double residual;        /* ends the search below this report.to_target_upper; 0: never */
+    size_t samples; /* about the largest number of samples of space; 0: 16000 */
+    size_t handles; /* the largest number of handles; lattices with more are left out; 0: 8000 */
 } cageform_wrap_options;
 
 /* Why a search ended. */

@@ -22,6 +22,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///             input_malformed (#may_move); value_not_finite (the distance); output_too_small; cancelled;
 ///             out_of_memory. `out` is then unchanged
 template <MutablePointRangeIn<3> Out>
+// NOLINTNEXTLINE(readability-function-size): surface, figure, mask, output, distance, threads
 PushOutReport push_out(const SurfaceMesh& surface, const SurfaceMesh& figure, std::span<const char> may_move,
                        Out&& out, double distance = 0, const Running& running = {}) {
     PushOutReport report;

@@ -26,8 +26,7 @@ Result<Wrap<T>, WrapReport> wrap(const SurfaceMesh& source, const SurfaceMesh& t
                                  const WrapOptions& options = {}, const Running& running = {}) {
     Result<Wrap<T>, WrapReport> result;
     WrapReport timed;
-    detail::run_into(timed,
-                     [&] { return detail::find_wrap(source, target, options, nullptr, running, result); });
+    detail::run_into(timed, [&] { return detail::find_wrap<T>({source, target, options}, running, result); });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;
     return result;
@@ -68,7 +67,7 @@ Result<Wrap<typename C::scalar>, WrapReport> wrap(const C& coordinates, const Su
                             detail::DenseRows& rows) {
             return detail::evaluate_for_wrap(solved, points, derivatives, running, rows);
         };
-        return detail::find_wrap(source, target, options, &cage, running.subtask(0.2, 1), result);
+        return detail::find_wrap<T>({source, target, options, &cage}, running.subtask(0.2, 1), result);
     });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;
@@ -98,6 +97,7 @@ Status move(const Wrap<T>& wrap, const R& points, Out&& out,
 ///   coordinates  those of the wrap
 ///   fails        pose_size_differs (the coordinates have another number of handles); as above
 template <detail::SampledCoordinates C, PointRangeIn<3> R, MutablePointRangeIn<3> Out>
+// NOLINTNEXTLINE(readability-function-size): one parameter more than for a wrap without a cage
 Status move(const Wrap<typename C::scalar>& wrap, const C& coordinates, const R& points, Out&& out,
             std::type_identity_t<std::span<std::array<Vec<typename C::scalar, 3>, 3>>> jacobians = {},
             const Running& running = {}) {

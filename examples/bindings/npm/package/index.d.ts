@@ -259,6 +259,10 @@ export interface WrapOptions {
   floor?: number;
   /** Ends the search below this report.toTargetUpper; 0: never. */
   residual?: number;
+  /** About the largest number of samples of space; 0: 16000. */
+  samples?: number;
+  /** The largest number of handles; 0: 8000. Lattices with more are left out: report.leftOut. */
+  handles?: number;
   progress?: Progress;
 }
 

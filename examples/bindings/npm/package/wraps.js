@@ -6,10 +6,10 @@ import { MADE, Owner, objectOf, refuse, started } from './engine.js';
 import { described } from './figures.js';
 import { classOf, indices, number, numbers, options, points, progressOf, whole } from './numbers.js';
 
-const OPTIONS =
-  'landmarks weights follow coordinates align otherPose finest refineContacts leastStiffness floor residual progress'.split(
-    ' ',
-  );
+const OPTIONS = (
+  'landmarks weights follow coordinates align otherPose finest refineContacts leastStiffness floor residual ' +
+  'samples handles progress'
+).split(' ');
 
 export class Wrap extends Owner {
   /** Internal: wrap() makes wraps. */
@@ -95,6 +95,8 @@ export function wrap(source, sourceFaces, target, targetFaces, chosen) {
     leastStiffness = 0,
     floor = 0,
     residual = 0,
+    samples = 0,
+    handles = 0,
     progress,
   } = options(chosen, OPTIONS);
   const meshes = [
@@ -114,6 +116,8 @@ export function wrap(source, sourceFaces, target, targetFaces, chosen) {
     leastStiffness: number(leastStiffness, 'leastStiffness'),
     floor: number(floor, 'floor'),
     residual: number(residual, 'residual'),
+    samples: whole(samples, 'samples'),
+    handles: whole(handles, 'handles'),
   };
   const { at, report } = reported(engine, (scope, to) => {
     const [from, onto] = meshes.map(([vertices, corners]) =>

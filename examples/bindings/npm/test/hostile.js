@@ -122,6 +122,7 @@ export function hostile({ cageform }, count, seed) {
         return pick(2) ? () => pick(4) > 0 : {};
     }
   };
+  const slender = CUBE.map(([x, y, z]) => [0.2 * x, 0.2 * y, z]); // few samples
   const mostly = own => (pick(8) === 0 ? anything(0) : own());
   const figures = () => objects[5 + pick(2)];
   const calls = [
@@ -207,11 +208,11 @@ export function hostile({ cageform }, count, seed) {
     () =>
       pick(150) === 0
         ? cageform.wrap(
-            mostly(() => CUBE),
+            mostly(() => slender),
             mostly(() => TRIANGLES),
-            mostly(() => uniformly(random, 24, -2, 2)),
+            mostly(() => slender),
             mostly(() => TRIANGLES),
-            mostly(() => ({ finest: 6, follow: mostly(arrayOf), progress: () => pick(50) > 0 })),
+            mostly(() => ({ finest: 6, follow: slender, progress: () => pick(50) > 0 })),
           )
         : cageform.wrap(arrayOf(), arrayOf(), arrayOf(), arrayOf(), anything(1)),
   ];

@@ -51,8 +51,9 @@ inline void add_message(cageform_report& report) noexcept {
     add_message(report, "number");
 }
 
-/// Runs f(report), which returns a status code. Copies the report to the caller's and returns the code. `f` may
-/// change `word`, which is read afterwards.
+/// Runs f(report), which returns a status code. Copies the report to the caller's and returns the code.
+///
+///   word  the kind of the culprit; read after f, which may change it
 template <class F>
 cageform_status reported(cageform_report* out, const char* const& word, const F& f) noexcept {
     if (out != nullptr && out->size < sizeof(out->size)) return CAGEFORM_SIZE_NOT_SET;

@@ -150,6 +150,7 @@ inline void fill(cageform_report& report, const WrapReport& fitted) noexcept {
     report.unmatched_target = fitted.unmatched_target;
     report.noise = fitted.noise;
     report.skipped_faces = fitted.skipped_faces;
+    report.left_out = fitted.left_out;
     report.ended = static_cast<std::uint32_t>(fitted.ended);
     report.seconds = fitted.seconds;
 }

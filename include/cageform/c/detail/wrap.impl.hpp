@@ -48,9 +48,11 @@ inline const char* word_of(const WrapReport& report, const WrapOptions& options)
     case Status::figure_not_finite: return report.of_target ? "target vertex" : "source vertex";
     case Status::index_out_of_range: return report.of_target ? "target face" : "source face";
     case Status::value_not_finite: {
+        const auto is_wrong = [](const Landmark& mark) {
+            return !is_finite(mark.from) || !is_finite(mark.to) || !is_finite(mark.weight);
+        };
         const std::size_t n = report.culprit;
-        const bool is_of_follower = n < options.follow.size() && !is_finite(options.follow[n]);
-        return is_of_follower ? "follower" : "landmark";
+        return n < options.landmarks.size() && is_wrong(options.landmarks[n]) ? "landmark" : "follower";
     }
     default: return "landmark";
     }
@@ -99,6 +101,8 @@ inline cageform_status copy_options(const cageform_wrap_options& given, std::vec
     if (given.least_stiffness != 0) options.least_stiffness = given.least_stiffness;
     if (given.floor != 0) options.floor = given.floor;
     options.residual = given.residual;
+    if (given.samples != 0) options.samples = given.samples;
+    if (given.handles != 0) options.handles = given.handles;
     return status;
 }
 

@@ -15,12 +15,16 @@ struct WrapCageInput {
     WrapCage::Evaluate evaluate; ///< weights, or derivatives along the axes of the source
 };
 
+/// What `wrap` is given.
+struct WrapInput {
+    const SurfaceMesh &source, &target;
+    const WrapOptions& options;
+    const WrapCageInput* cage = nullptr; ///< null for a lattice alone
+};
+
 /// Finds a wrap.
-///
-///   cage  null for a lattice alone
 template <class T>
-Status find_wrap(const SurfaceMesh& source, const SurfaceMesh& target, const WrapOptions& options,
-                 const WrapCageInput* cage, const Running& running, Result<Wrap<T>, WrapReport>& result);
+Status find_wrap(const WrapInput& input, const Running& running, Result<Wrap<T>, WrapReport>& result);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
 

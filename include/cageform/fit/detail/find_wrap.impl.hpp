@@ -34,12 +34,11 @@ class WrapFinder {
     using Point = Vec<double, 3>;
 
 public:
-    WrapFinder(const SurfaceMesh& source, const SurfaceMesh& target, const WrapOptions& options,
-               const WrapCageInput* cage, WrapReport& report)
-        : source_(source)
-        , target_(target)
-        , options_(options)
-        , cage_(cage)
+    WrapFinder(const WrapInput& input, WrapReport& report)
+        : source_(input.source)
+        , target_(input.target)
+        , options_(input.options)
+        , cage_(input.cage)
         , report_(report) {}
 
     Status run(const Running& running) {
@@ -61,7 +60,7 @@ public:
         }
         if (status == Status::ok && refines() && lattice_) {
             report_.ended = WrapReport::End::stages;
-            status = refine_contacts(running.subtask(0.95, 0.99));
+            status = refine_contacts(*lattice_, running.subtask(0.95, 0.99));
         }
         if (status != Status::ok && status != Status::cancelled) return status;
         measure();
@@ -74,7 +73,7 @@ public:
     /// Converts the poses to the space of the target. Writes nothing if there is no pose.
     template <class T>
     void write(Wrap<T>& wrap) const {
-        if (!has_result_) return;
+        if (!has_result_ || !frame_) return;
         const Similarity back = frame_->unit.inverse();
         if (cage_ == nullptr) {
             wrap.first = transform_of<T>(frame_->first);
@@ -134,7 +133,7 @@ private:
     }
 
     Status set_scene(const WrapFrame& frame, const Running& running) {
-        constexpr double spacing = 1.0 / 50, shell = 0.04, least_noise = 1e-3;
+        constexpr double spacing = 1.0 / 50, least_noise = 1e-3;
         const Similarity of_source = frame.unit.after(frame.first);
         for (const Point& p : source_.vertices()) scene_.source.rest.push_back(of_source(p));
         for (const Point& p : options_.follow) scene_.followers.rest.push_back(of_source(p));
@@ -153,12 +152,12 @@ private:
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
         GridSamples samples;
-        Status status = sample_shell(scene_, source, spacing, shell, running.subtask(0, 0.5), samples);
+        Status status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
         if (status != Status::ok) return status;
         if (samples.places.size() > options_.samples) {
             const double wider = std::cbrt(double(samples.places.size()) / double(options_.samples));
             samples = {};
-            status = sample_shell(scene_, source, wider * spacing, shell, running.subtask(0.5, 1), samples);
+            status = sample_shell(scene_, source, wider * spacing, running.subtask(0.5, 1), samples);
             if (status != Status::ok) return status;
         }
         scene_.samples.rest = std::move(samples.places);
@@ -233,15 +232,16 @@ private:
             lattice_.emplace(lattice_box(), 1.0 / stages[n].cells);
             lattice_pose_ = lattice_->rest();
         }
-        while (lattice_->cell() > 1.01 / stages[n].cells) lattice_->refine(lattice_pose_);
-        return run_basis(*lattice_, options, lattice_pose_, running, options.is_last && !refines());
+        WrapLattice& lattice = *lattice_;
+        while (lattice.cell() > 1.01 / stages[n].cells) lattice.refine(lattice_pose_);
+        return run_basis(lattice, options, lattice_pose_, running, options.is_last && !refines());
     }
     bool refines() const noexcept { return options_.refine_contacts && cage_ == nullptr; }
     /// Halves the cells of the lattice near vertices that are off the target, with finer samples there. All
     /// other handles are held.
-    Status refine_contacts(const Running& running) {
+    Status refine_contacts(WrapLattice& lattice, const Running& running) {
         constexpr double off = 0.002, reach = 0.04, spacing = 1.0 / 100;
-        WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice_->cell())), {1e-7}, 0.03},
+        WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice.cell())), {1e-7}, 0.03},
                                  options_.floor,
                                  0,
                                  0,
@@ -249,7 +249,7 @@ private:
                                  true,
                                  true};
         LatticeRows rows;
-        if (const Status status = lattice_->weights(scene_.source.now, rows); status != Status::ok)
+        if (const Status status = lattice.weights(scene_.source.now, rows); status != Status::ok)
             return status;
         std::vector<Point> places;
         scene_.target.set_normal_length(0);
@@ -260,23 +260,24 @@ private:
             guess = at.face;
             if (dot(moved - at.place, moved - at.place) > off * off) places.push_back(scene_.source.now[i]);
         }
-        WrapStageSolver<WrapLattice> finisher(scene_, *lattice_, options, running);
+        WrapStageSolver<WrapLattice> finisher(scene_, lattice, options, running);
         if (places.empty()) return finisher.finish(lattice_pose_);
-        lattice_->refine(lattice_pose_);
+        lattice.refine(lattice_pose_);
         const NearPoints near_places(places);
         std::vector<char> is_free;
-        for (const Point& p : lattice_->rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
+        is_free.reserve(lattice.size());
+        for (const Point& p : lattice.rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
         options.free_handles = &is_free;
         GridSamples fine;
-        const auto box = bounds_of(std::span<const Point>(places)).widened(reach + 2 * lattice_->cell());
-        const double wide = reach + 2 * lattice_->cell();
+        const auto box = bounds_of(std::span<const Point>(places)).widened(reach + 2 * lattice.cell());
+        const double wide = reach + 2 * lattice.cell();
         const auto make_test = [&] { return [&](const Point& p) { return near_places.has(p, wide); }; };
         Status status = sample_grid(box, spacing, make_test, running.subtask(0, 0.1), fine);
         if (status != Status::ok) return status;
         MovedPoints samples = std::exchange(scene_.samples, {std::move(fine.places), {}, {}});
         auto neighbours = std::exchange(scene_.neighbours, std::move(fine.neighbours));
         scene_.samples.start();
-        status = run_basis(*lattice_, options, lattice_pose_, running.subtask(0.1, 1), false);
+        status = run_basis(lattice, options, lattice_pose_, running.subtask(0.1, 1), false);
         scene_.samples = std::move(samples);
         scene_.neighbours = std::move(neighbours);
         if (status != Status::ok && status != Status::cancelled) return status;
@@ -287,7 +288,7 @@ private:
     Status run_basis(const Basis& basis, const WrapStageOptions& options, std::vector<Point>& pose,
                      const Running& running, bool is_finished) {
         WrapStageSolver<Basis> solver(scene_, basis, options, running);
-        Status status = solver.run(pose, report_, report_.ended);
+        const Status status = solver.run(pose, report_, report_.ended);
         const bool ends = is_finished || status == Status::cancelled ||
                           (report_.ended != WrapReport::End::stages && !refines());
         if (ends && (status == Status::ok || status == Status::cancelled)) {
@@ -300,6 +301,7 @@ private:
     std::vector<Point> unit_cage(const WrapFrame& frame) const {
         const Similarity of_source = frame.unit.after(frame.first);
         std::vector<Point> rest;
+        rest.reserve(cage_->rest.size());
         for (std::size_t i = 0; i < cage_->rest.size(); ++i)
             rest.push_back(cage_->is_point[i] != 0 ? of_source(cage_->rest[i])
                                                    : of_source.linear(cage_->rest[i]));
@@ -378,9 +380,8 @@ private:
 };
 
 template <class T>
-Status find_wrap(const SurfaceMesh& source, const SurfaceMesh& target, const WrapOptions& options,
-                 const WrapCageInput* cage, const Running& running, Result<Wrap<T>, WrapReport>& result) {
-    WrapFinder finder(source, target, options, cage, result.report);
+Status find_wrap(const WrapInput& input, const Running& running, Result<Wrap<T>, WrapReport>& result) {
+    WrapFinder finder(input, result.report);
     const Status status = finder.run(running);
     finder.write(result.value);
     return status;

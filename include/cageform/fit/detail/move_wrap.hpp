@@ -62,6 +62,7 @@ Status move_by_lattice(const Wrap<T>& wrap, std::vector<Vec<T, 3>>& points,
     const WrapLattice lattice(*wrap.lattice);
     const LinearMap<double, 3> to_box = inverse_columns(wrap.lattice->box());
     std::vector<Point> pose;
+    pose.reserve(wrap.lattice_pose.size());
     for (const auto& p : wrap.lattice_pose) pose.push_back(vec_cast<double>(p));
     return for_each_block((points.size() + 255) / 256, running, [&](std::size_t first, std::size_t last) {
         LatticeRows rows, slopes;
@@ -114,6 +115,7 @@ Status move_with(const R& points, Out& out, std::span<std::array<Vec<T, 3>, 3>> 
         return Status::output_too_small;
     return guard_memory([&] {
         std::vector<Vec<T, 3>> moved;
+        moved.reserve(std::size(points));
         for (std::size_t i = 0; i < std::size(points); ++i) moved.push_back(to_vec<T>(points[i]));
         std::vector<std::array<Vec<T, 3>, 3>> matrices;
         if (!jacobians.empty()) matrices.assign(moved.size(), {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});

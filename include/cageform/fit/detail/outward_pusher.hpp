@@ -101,7 +101,7 @@ private:
             const double degree = (std::max)(degree_[i], 1.0);
             const Term term[] = {{i, 1}};
             equations.add(term, zero.v, rest * degree);
-            if (needs[i]) equations.add(term, needs[i]->v, pull * degree);
+            if (const Need& need = needs[i]; need) equations.add(term, need->v, pull * degree);
         }
         for (const auto& [a, b] : edges_) {
             const Term terms[] = {{a, 1}, {b, -1}};

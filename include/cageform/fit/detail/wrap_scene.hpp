@@ -94,8 +94,8 @@ Status sample_grid(const Bounds<double, 3>& box, double spacing, const MakeTest&
     }
     const std::size_t row = counts[0], rows = counts[1] * counts[2];
     const auto place = [&](std::size_t n) {
-        return lower + spacing * Vec<double, 3>{double(n % row), double(n / row % counts[1]),
-                                                double(n / row / counts[1])};
+        return lower + spacing * vec_cast<double>(
+                                     Vec<std::size_t, 3>{n % row, n / row % counts[1], n / row / counts[1]});
     };
     std::vector<char> is_sample(row * rows);
     const Status status = for_each_block(rows, running, [&](std::size_t begin, std::size_t end) {
@@ -141,10 +141,11 @@ private:
 
 /// Samples the inside of the source, and a shell about the source and the followers.
 ///
-///   spacing, shell  of the grid, and the width of the shell, in units of the height
-inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, double spacing, double shell,
+///   spacing  of the grid, in units of the height
+inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, double spacing,
                            const Running& running, GridSamples& samples) {
     using Point = Vec<double, 3>;
+    constexpr double shell = 0.04; // its width
     Bounds<double, 3> box = bounds_of(std::span<const Point>(scene.source.rest));
     if (scene.followers.size() > 0) box.include(bounds_of(std::span<const Point>(scene.followers.rest)));
     const NearPoints followers(scene.followers.rest);

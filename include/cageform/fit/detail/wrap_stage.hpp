@@ -60,10 +60,9 @@ public:
             if (options_.first_by_landmarks && n < 2) set_data(data);
             WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
-            Status status =
-                solve(list[n], data,
-                      running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size())),
-                      matches, pose, step);
+            const Running running =
+                running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size()));
+            Status status = solve({list[n], data, matches, pose, step, running});
             step.residual = matches.rms();
             if (status == Status::ok) status = guard(good, pose, step);
             if (status != Status::ok) {
@@ -173,8 +172,8 @@ private:
             own[a] += weight;
             own[b] += weight;
             for (std::size_t k = 0; k < 3; ++k) {
-                rigid_.add_product(sample_rows_, 3 * a + k, 3 * b + k, -weight);
-                rigid_.add_product(sample_rows_, 3 * b + k, 3 * a + k, -weight);
+                rigid_.add_product(sample_rows_, std::size_t{3} * a + k, std::size_t{3} * b + k, -weight);
+                rigid_.add_product(sample_rows_, std::size_t{3} * b + k, std::size_t{3} * a + k, -weight);
             }
         }
         for (std::size_t s = 0; s < own.size(); ++s) {
@@ -183,19 +182,27 @@ private:
         }
     }
 
-    Status solve(double stiffness, double data, const Running& running, WrapMatches& matches,
-                 std::vector<Point>& pose, WrapReport::Step& step) {
+    /// The search for one stiffness.
+    struct Task {
+        double stiffness, data; ///< λ, and the weight of the matches
+        WrapMatches& matches;
+        std::vector<Point>& pose;
+        WrapReport::Step& step;
+        const Running& running;
+    };
+
+    Status solve(const Task& task) {
         constexpr int attempts = 3;
         for (int attempt = 0; attempt < attempts; ++attempt) {
-            sum_.set_sum(data_, stiffness, rigid_);
+            sum_.set_sum(data_, task.stiffness, rigid_);
             const double mean = sum_.trace() / double(unknowns_.size());
-            const double ridge = 1e-5 * stiffness / (stiffness + 1e-4), proximity = 1e-7 * mean;
+            const double ridge = 1e-5 * task.stiffness / (task.stiffness + 1e-4), proximity = 1e-7 * mean;
             basis_.add_ridge(sum_, is_unknown_, ridge * mean);
             for (const std::uint32_t i : unknowns_) sum_.add_entry(i, i, proximity);
             if (!factors_.factor(sum_)) return Status::pose_not_determined;
-            if (!iterate(stiffness, data, proximity, running, matches, pose, step)) return Status::cancelled;
+            if (!iterate(task, proximity)) return Status::cancelled;
             bool is_low = false;
-            const auto least = least_stretches(sample_rows_, pose);
+            const auto least = least_stretches(sample_rows_, task.pose);
             for (std::size_t s = 0; s < least.size(); ++s) {
                 if (!(least[s] < options_.floor)) continue;
                 is_low = true;
@@ -208,72 +215,75 @@ private:
     }
 
     /// Returns false if cancelled.
-    bool iterate(double stiffness, double data, double proximity, const Running& running,
-                 WrapMatches& matches, std::vector<Point>& pose, WrapReport::Step& step) {
+    bool iterate(const Task& task, double proximity) {
         constexpr int most = 25;
         constexpr double settled = 1e-4;
         const std::size_t blocks = block_count<double>(3 * unknowns_.size());
-        Anderson anderson;
-        anderson.reset(blocks, 5);
-        std::vector<Lanes<double>> from(blocks), to(blocks);
+        anderson_.reset(blocks, 5);
+        from_.resize(blocks);
+        to_.resize(blocks);
         for (std::size_t b = 0; b < blocks; ++b) { // also the padding
-            DoubleLanes(0).store(from[b]);
-            DoubleLanes(0).store(to[b]);
+            DoubleLanes(0).store(from_[b]);
+            DoubleLanes(0).store(to_[b]);
         }
-        std::vector<Point> right(basis_.size()), solution(unknowns_.size());
         for (int n = 0; n < most; ++n) {
-            matches.find(places_, normals_, n % 5 == 0);
-            std::fill(right.begin(), right.end(), Point{});
-            for (std::size_t k = 0; k < matched_.size(); ++k)
-                vertex_rows_.add(
-                    matched_[k],
-                    (data / double(matched_.size())) * (places_[matched_[k]] + matches.pulls()[k]), right);
-            for (std::size_t k = 0; k < guard_rows_.size(); ++k) {
-                const Point x = guard_rows_.product(k, pose);
-                const Point pull = matches.guard_pull(k, x, normals_[scene_.guarded[k].vertex]);
-                guard_rows_.add(k, (guard_weight / double(guard_rows_.size())) * (x + pull), right);
-            }
-            for (std::size_t k = 0; k < mark_rows_.size(); ++k)
-                mark_rows_.add(k, mark_weight(k) * scene_.mark_targets[k], right);
-            add_rotations(stiffness, pose, right);
-            sum_.subtract_fixed(pose, right);
-            for (std::size_t u = 0; u < unknowns_.size(); ++u)
-                solution[u] = right[unknowns_[u]] + proximity * pose[unknowns_[u]];
-            factors_.solve(solution);
-
-            double largest = 0;
-            for (std::size_t u = 0; u < unknowns_.size(); ++u) {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const std::size_t at = 3 * u + k;
-                    from[at / lane_count<double>][at % lane_count<double>] = pose[unknowns_[u]][k];
-                    to[at / lane_count<double>][at % lane_count<double>] = solution[u][k];
-                    largest = (std::max)(largest, std::fabs(solution[u][k] - pose[unknowns_[u]][k]));
-                }
-            }
-            anderson.step(from.data(), to.data());
-            double accelerated = 0;
-            const auto at = [](const std::vector<Lanes<double>>& x, std::size_t i) {
-                return x[i / lane_count<double>][i % lane_count<double>];
-            };
-            for (std::size_t u = 0; u < unknowns_.size(); ++u) {
-                for (std::size_t k = 0; k < 3; ++k)
-                    accelerated =
-                        (std::max)(accelerated, std::fabs(at(from, 3 * u + k) - pose[unknowns_[u]][k]));
-            }
-            const auto& next = accelerated < 20 * largest + 1e-12 ? from : to;
-            for (std::size_t u = 0; u < unknowns_.size(); ++u)
-                pose[unknowns_[u]] = {at(next, 3 * u), at(next, 3 * u + 1), at(next, 3 * u + 2)};
-
+            task.matches.find(places_, normals_, n % 5 == 0);
+            step(task, proximity);
             const std::vector<Point> before = places_;
-            move_source(pose);
+            move_source(task.pose);
             double moved = 0;
             for (std::size_t i = 0; i < places_.size(); ++i)
                 moved += dot(places_[i] - before[i], places_[i] - before[i]);
-            ++step.iterations;
-            if (!running.keep_going(double(step.iterations) / double(step.iterations + most))) return false;
+            const std::size_t done = ++task.step.iterations;
+            if (!task.running.keep_going(double(done) / double(done + most))) return false;
             if (moved < settled * settled * double(places_.size())) break;
         }
         return true;
+    }
+    /// Returns the right-hand side for the matches and rotations of a pose; #handles.
+    std::vector<Point> right_side(const Task& task) {
+        std::vector<Point> right(basis_.size());
+        const double share = task.data / double(matched_.size());
+        for (std::size_t k = 0; k < matched_.size(); ++k)
+            vertex_rows_.add(matched_[k], share * (places_[matched_[k]] + task.matches.pulls()[k]), right);
+        for (std::size_t k = 0; k < guard_rows_.size(); ++k) {
+            const Point x = guard_rows_.product(k, task.pose);
+            const Point pull = task.matches.guard_pull(k, x, normals_[scene_.guarded[k].vertex]);
+            guard_rows_.add(k, (guard_weight / double(guard_rows_.size())) * (x + pull), right);
+        }
+        for (std::size_t k = 0; k < mark_rows_.size(); ++k)
+            mark_rows_.add(k, mark_weight(k) * scene_.mark_targets[k], right);
+        add_rotations(task.stiffness, task.pose, right);
+        sum_.subtract_fixed(task.pose, right);
+        return right;
+    }
+    /// Solves for the pose, with acceleration unless the accelerated step is 20 times as long.
+    void step(const Task& task, double proximity) {
+        const std::vector<Point> right = right_side(task);
+        std::vector<Point> solution(unknowns_.size());
+        for (std::size_t u = 0; u < unknowns_.size(); ++u)
+            solution[u] = right[unknowns_[u]] + proximity * task.pose[unknowns_[u]];
+        factors_.solve(solution);
+        const auto at = [](std::vector<Lanes<double>>& x, std::size_t i) -> double& {
+            return x[i / lane_count<double>][i % lane_count<double>];
+        };
+        double plain = 0, accelerated = 0;
+        for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                at(from_, 3 * u + k) = task.pose[unknowns_[u]][k];
+                at(to_, 3 * u + k) = solution[u][k];
+                plain = (std::max)(plain, std::fabs(solution[u][k] - task.pose[unknowns_[u]][k]));
+            }
+        }
+        anderson_.step(from_.data(), to_.data());
+        for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+            for (std::size_t k = 0; k < 3; ++k)
+                accelerated =
+                    (std::max)(accelerated, std::fabs(at(from_, 3 * u + k) - task.pose[unknowns_[u]][k]));
+        }
+        auto& next = accelerated < 20 * plain + 1e-12 ? from_ : to_;
+        for (std::size_t u = 0; u < unknowns_.size(); ++u)
+            task.pose[unknowns_[u]] = {at(next, 3 * u), at(next, 3 * u + 1), at(next, 3 * u + 2)};
     }
 
     /// Adds λ a Σ_k g_k R_k of all samples to the right-hand side.
@@ -422,7 +432,9 @@ private:
     std::vector<Lanes<double>> turns_;    ///< R − 1, nine rows per block of samples
     Matrix data_, rigid_, sum_;           ///< D, R and D + λ R
     typename Basis::Factors factors_;
-    std::vector<Point> places_, normals_; ///< of all vertices of the moved source
+    Anderson anderson_;
+    std::vector<Lanes<double>> from_, to_; ///< unknowns before and after a step
+    std::vector<Point> places_, normals_;  ///< of all vertices of the moved source
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

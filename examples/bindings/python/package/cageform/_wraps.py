@@ -103,7 +103,8 @@ def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLi
          landmarks: Optional[npt.ArrayLike] = None, follow: Optional[npt.ArrayLike] = None,
          coordinates: Optional[Coordinates] = None, weights: Optional[npt.ArrayLike] = None, align: bool = True,
          other_pose: bool = False, finest: int = 24, refine_contacts: bool = False, least_stiffness: float = 0,
-         floor: float = 0, residual: float = 0, threads: Optional[int] = None, progress: Progress = None) -> Wrap:
+         floor: float = 0, residual: float = 0, samples: int = 0, handles: int = 0, threads: Optional[int] = None,
+         progress: Progress = None) -> Wrap:
     """Finds a map of space that lays a source on a target. Clothes, hair and joints of the source follow by Wrap.move:
 
         wrapped = cageform.wrap(body, body_faces, scan, scan_faces, follow=clothes)
@@ -124,6 +125,8 @@ def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLi
     least_stiffness   the search ends at this weight of the rigidity; 0: 1e-7; for noise: 1e-5
     floor             lower bound of the map's least singular value; 0: 0.1
     residual          ends the search below this report.to_target_upper; 0: never
+    samples           about the largest number of samples of space; 0: 16000
+    handles           the largest number of handles; 0: 8000. Lattices with more are left out: report.left_out
     threads           None: all processors; the result does not depend on them
     progress          progress(done) receives the completed fraction, 0 to 1; it returns False to cancel
 
@@ -133,7 +136,8 @@ def wrap(source: npt.ArrayLike, source_faces: npt.ArrayLike, target: npt.ArrayLi
         raise ValueError('finest: must be 6, 12, 24, …, not %d' % finest)
     given, wanted = _mesh(source, source_faces, 'source'), _mesh(target, target_faces, 'target')
     options = arrays.struct(_c.cageform_wrap_options, keep_place=not align, other_pose=other_pose, finest=finest,
-                            refine_contacts=refine_contacts, least_stiffness=least_stiffness, floor=floor, residual=residual)
+                            refine_contacts=refine_contacts, least_stiffness=least_stiffness, floor=floor, residual=residual,
+                            samples=samples, handles=handles)
     marks = _landmarks(landmarks, weights)
     options.landmarks, options.landmark_count = arrays.pointer(marks, _c.cageform_landmark), len(marks)
     followers = None if follow is None else arrays.points(follow, 'follow', 3)
