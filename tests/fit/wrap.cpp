@@ -305,7 +305,13 @@ TEMPLATE_TEST_CASE("a wrap of a cage is a pose of the cage, then of a lattice", 
     if (seed == 0) check(coordinates, 12, 0.003);
     if (seed == 0 && sizeof(T) == 4)
         check(cageform::AnyCoordinates<T, 3>(cageform::GreenCoordinates(box)), 0, 0.01);
-    if (seed == 0 && sizeof(T) == 8) check(cageform::HarmonicCoordinates(box), 0, 0.004);
+    if (seed == 0 && sizeof(T) == 8) {
+        // Samples outside a harmonic cage have no derivatives, and are left out.
+        const auto tight =
+            cageform::box_mesh(Vec<T, 3>{T(-0.25), T(-0.53), T(-0.25)}, Vec<T, 3>{T(0.25), T(0.53), T(0.25)},
+                               std::array<std::size_t, 3>{2, 4, 2});
+        check(cageform::HarmonicCoordinates(tight), 0, 0.004);
+    }
 }
 
 TEST_CASE("landmarks are met where they agree with the target, and contradictions are reported", "[fit]") {

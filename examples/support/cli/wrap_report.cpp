@@ -137,6 +137,10 @@ std::vector<std::string> warnings_of(const WrapMap& map, const WrapFigures& figu
     else if (report.unmatched_source > many || report.unmatched_target > many)
         warnings.push_back("no match was found for " + unmatched +
                            ": these parts may be missing in the other figure, or need landmarks");
+    if (report.left_out > 0)
+        warnings.push_back("lattices with " + std::to_string(report.left_out) +
+                           " or more cells along the height are left out: they need more than " +
+                           std::to_string(cageform::WrapOptions{}.handles) + " handles");
     const std::size_t folds = report.folded_vertices + report.folded_followers + report.folded_samples;
     if (folds > 0)
         warnings.push_back("the map folds space at " + std::to_string(report.folded_vertices) +

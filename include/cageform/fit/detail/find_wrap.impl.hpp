@@ -160,6 +160,8 @@ private:
             status = sample_shell(scene_, source, wider * spacing, running.subtask(0.5, 1), samples);
             if (status != Status::ok) return status;
         }
+        if (cage_ != nullptr) status = keep_reached(frame, samples);
+        if (status != Status::ok) return status;
         scene_.samples.rest = std::move(samples.places);
         scene_.neighbours = std::move(samples.neighbours);
         report_.samples = scene_.samples.rest.size();
@@ -177,6 +179,26 @@ private:
         const double noise = surface_noise(target, scene_.target.normals(), edge, shuffled(target.size()));
         report_.noise = noise > least_noise ? noise : 0;
         return Status::ok;
+    }
+    /// Removes samples where the cage has no derivatives, as outside the cage of harmonic coordinates.
+    Status keep_reached(const WrapFrame& frame, GridSamples& samples) const {
+        DenseRows rows;
+        const Status status = unit_evaluate(frame)(samples.places, true, rows);
+        if (status != Status::ok) return status;
+        std::vector<std::uint32_t> number(samples.places.size(), no_vertex);
+        GridSamples kept;
+        for (std::size_t n = 0; n < number.size(); ++n) {
+            const auto of = std::span(rows.weights).subspan(3 * n * rows.handles, 3 * rows.handles);
+            if (std::all_of(of.begin(), of.end(), [](double w) { return w == 0; })) continue;
+            number[n] = std::uint32_t(kept.places.size());
+            kept.places.push_back(samples.places[n]);
+        }
+        for (const auto& [a, b] : samples.neighbours) {
+            if (number[a] != no_vertex && number[b] != no_vertex)
+                kept.neighbours.push_back({number[a], number[b]});
+        }
+        samples = std::move(kept);
+        return samples.places.empty() ? Status::samples_missing : Status::ok;
     }
     void find_guarded(const ClosestPlaces& source) {
         for (std::uint32_t i = 0; i < scene_.followers.rest.size(); ++i) {
@@ -353,6 +375,7 @@ private:
         std::size_t folded = 0;
         for (const auto& j : points.jacobians) {
             const Vec<double, 2> squares = squared_stretches(j);
+            if (squares[1] == 0) continue; // the cage does not reach this point
             folded += determinant(j) > 0 ? 0 : 1;
             report_.least_stretch =
                 (std::min)(report_.least_stretch, std::copysign(std::sqrt(squares[0]), determinant(j)));
