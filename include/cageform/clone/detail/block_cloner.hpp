@@ -162,9 +162,11 @@ using StridedCloner = BlockCloner<View, StridedPoints<const typename View::scala
                                   StridedPoints<typename View::scalar, View::dimension>>;
 
 #if defined(CAGEFORM_COMPILED) // optimised in the library, even if the program is not
+// NOLINTBEGIN(bugprone-macro-parentheses): T is a type
 #define CAGEFORM_DETAIL_CLONER(T, D)                                                                         \
     extern template void StridedCloner<BindingView<T, D>>::run(std::size_t, std::size_t) const noexcept;     \
     extern template void StridedCloner<PackedBindingView<T, D>>::run(std::size_t, std::size_t) const noexcept;
+// NOLINTEND(bugprone-macro-parentheses)
 CAGEFORM_DETAIL_CLONER(float, 2)
 CAGEFORM_DETAIL_CLONER(float, 3)
 CAGEFORM_DETAIL_CLONER(double, 2)
