@@ -4,13 +4,14 @@
 //
 // Prints a row for each method. Lengths are percent of the target's height.
 //
-//     to target, to source  mean distance of the wrapped source's vertices from the target, and back
-//     truth                 mean distance of corresponding vertices; TRUTH is the target with the vertices of
-//                           the source
-//     own skin, in target   share of the clothes' vertices that were outside the source and are inside the
-//                           wrapped source, or inside the target
-//     turned                faces of the source whose normal is opposite to that of TRUTH
-//     seconds               of the processor
+//     to target, to source  Mean distance of the wrapped source's vertices from the target, and back.
+//     truth                 Mean distance of corresponding vertices. The file TRUTH is the target with the
+//                           vertices of the source.
+//     turned                Number of faces of the source whose normal is opposite to that of TRUTH.
+//     own skin              Share of the clothes' vertices that passed through the wrapped source.
+//     in target             Share of the clothes' vertices that were outside the source and are inside the
+//                           target.
+//     seconds               Time of the processor.
 //
 // The peer starts from the alignment of the wrap. Its clothes follow the nearest face.
 #include "nonrigid_icp.hpp"

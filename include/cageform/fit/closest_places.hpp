@@ -101,9 +101,7 @@ public:
         }
         if (distances.empty()) return result;
         result.mean /= double(distances.size());
-        const auto upper = distances.begin() + std::ptrdiff_t(0.95 * double(distances.size() - 1));
-        std::nth_element(distances.begin(), upper, distances.end());
-        result.upper = *upper;
+        result.upper = detail::quantile(distances, 0.95);
         return result;
     }
     /// Returns which points lie outside: on the side of the normal at their nearest place. O(#points log

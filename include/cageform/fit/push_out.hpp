@@ -13,8 +13,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   surface   triangles; points near its rim are not moved
 ///   figure    its vertices and faces; without faces, each vertex moves by itself
-///   may_move  #vertices: 0 for vertices that need not be outside, but may move along; empty: all
-///             must be outside. For clothes: `ClosestPlaces::are_outside` of the source
+///   may_move  #vertices. 0 marks vertices that may stay inside; they may move along with others. An empty
+///             list requires all vertices to be outside. For clothes: `ClosestPlaces::are_outside` of the
+///             source
 ///   out       at least #vertices
 ///   distance  from the surface at least, in the units of the mesh; not negative
 ///   cost      O(#vertices log #faces) and a sparse factorisation per round

@@ -175,7 +175,7 @@ private:
             const auto e = target[f[1]] - target[f[0]];
             edges.push_back(std::sqrt(dot(e, e)));
         }
-        const double edge = WrapMatches::quantile(edges, 0.5);
+        const double edge = quantile(edges, 0.5);
         const double noise = surface_noise(target, scene_.target.normals(), edge, shuffled(target.size()));
         report_.noise = noise > least_noise ? noise : 0;
         return Status::ok;
@@ -264,12 +264,8 @@ private:
     Status refine_contacts(WrapLattice& lattice, const Running& running) {
         constexpr double off = 0.002, reach = 0.04, spacing = 1.0 / 100;
         WrapStageOptions options{{2 * unsigned(std::lround(1 / lattice.cell())), {1e-7}, 0.03},
-                                 options_.floor,
-                                 0,
-                                 0,
-                                 false,
-                                 true,
-                                 true};
+                                 options_.floor};
+        options.is_last = true;
         LatticeRows rows;
         if (const Status status = lattice.weights(scene_.source.now, rows); status != Status::ok)
             return status;
@@ -291,8 +287,8 @@ private:
         for (const Point& p : lattice.rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
         options.free_handles = &is_free;
         GridSamples fine;
-        const auto box = bounds_of(std::span<const Point>(places)).widened(reach + 2 * lattice.cell());
         const double wide = reach + 2 * lattice.cell();
+        const auto box = bounds_of(std::span<const Point>(places)).widened(wide);
         const auto make_test = [&] { return [&](const Point& p) { return near_places.has(p, wide); }; };
         Status status = sample_grid(box, spacing, make_test, running.subtask(0, 0.1), fine);
         if (status != Status::ok) return status;

@@ -37,6 +37,14 @@ inline Vec<double, 6> with_normal(const Vec<double, 3>& p, const Vec<double, 3>&
     return {p[0], p[1], p[2], kappa * n[0], kappa * n[1], kappa * n[2]};
 }
 
+/// Returns a quantile of numbers; 0 for none. Changes their order.
+inline double quantile(std::vector<double>& of, double share) {
+    if (of.empty()) return 0;
+    const auto at = of.begin() + std::ptrdiff_t(share * double(of.size() - 1));
+    std::nth_element(of.begin(), at, of.end());
+    return *at;
+}
+
 /// Returns a radius of search slightly above a squared distance. So rounding of the distances of boxes does
 /// not exclude items at the same distance, and the result does not depend on the order of the search.
 inline double with_ties(double distance2) noexcept {

@@ -133,14 +133,6 @@ public:
     double unmatched_source() const noexcept { return unmatched_source_; }
     double unmatched_target() const noexcept { return unmatched_target_; }
 
-    /// Returns a quantile of numbers; 0 for none. Changes their order.
-    static double quantile(std::vector<double>& of, double share) {
-        if (of.empty()) return 0;
-        const auto at = of.begin() + std::ptrdiff_t(share * double(of.size() - 1));
-        std::nth_element(of.begin(), at, of.end());
-        return *at;
-    }
-
 private:
     static constexpr double match_radius = 0.03; ///< of matches that return, at rest
 

@@ -24,12 +24,13 @@ struct WrapOptions {
         unsigned cells = 0; ///< spans of the lattice along the target's height; 0: the cage
         /// Weights λ of the rigidity, in descending order. One matrix is factored for each.
         std::vector<double> stiffness{};
-        double normal_length = 0.03; ///< κ: a right angle between normals counts as a distance of κ √2
+        /// κ multiplies normals before matching. Two perpendicular normals then count as κ √2 apart.
+        double normal_length = 0.03;
     };
 
     std::span<const Landmark> landmarks{};
-    /// Points that will follow the source, such as the vertices of clothes. The space around them is
-    /// sampled. Those outside the source are kept outside the target, by a soft term.
+    /// Points that will follow the source, such as the vertices of clothes. The wrap samples the space around
+    /// these points. A soft term keeps points that are outside the source outside the target.
     std::span<const Vec<double, 3>> follow{};
     /// First moves the source: by a similarity that fits three or more landmarks, else by a scale and a
     /// translation that give the boxes of source and target the same height and centre.
@@ -37,12 +38,12 @@ struct WrapOptions {
     /// Whether source and target have different poses. A first step fits the landmarks with little weight
     /// on the surfaces.
     bool other_pose = false;
-    /// Spans of the finest lattice along the target's height: 6, 12, 24 … The stages double the spans from
-    /// 6 on. With a cage, the lattices begin at 12, and 0 fits the cage alone.
+    /// Lattices have 6, 12, 24 … spans along the target's height, up to this number. With a cage, lattices
+    /// begin at 12 spans; 0 means no lattice.
     unsigned finest = 24;
     double least_stiffness = 1e-7; ///< the stages end at this λ; 1e-5 suits scans with noise
-    /// Halves the cells of the last lattice where the source is not on the target, as at thighs that touch.
-    /// Takes about twice the time. Without a cage only.
+    /// Halves the lattice cells wherever the source misses the target, such as between touching thighs. Takes
+    /// about twice the time. Has no effect with a cage.
     bool refine_contacts = false;
     std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
     /// The largest number of samples of space. The grid has a spacing of 1/50 of the height, or more.
@@ -50,8 +51,10 @@ struct WrapOptions {
     /// The largest number of unknown handles of a lattice. Stages with more are left out. Compact figures,
     /// such as heads, have many handles.
     std::size_t handles = 8000;
-    double floor = 0.1;  ///< lower bound of the map's least singular value, relative to the source
-    double residual = 0; ///< ends the search below this 95th percentile, relative to the height
+    double floor = 0.1; ///< lower bound of the map's least singular value, relative to the source
+    /// The search ends when the 95th percentile of the distances falls below this value, relative to the
+    /// height.
+    double residual = 0;
 };
 
 struct WrapReport {
