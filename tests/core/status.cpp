@@ -12,30 +12,29 @@ using cageform::Status;
 
 namespace {
 
-/// The names of the enumerators 0 … last. A forgotten case of the switch, or an enumerator after `last` that
-/// this test does not know yet, shows in the name of the number after `last`.
+/// Checks the names of the enumerators 0, 1, … up to the first number that `to_string` calls `unknown`.
+/// Returns the number of names.
 template <class Enum>
-void check_names(Enum last, const std::string& unknown) {
+unsigned check_names(const std::string& unknown) {
     std::set<std::string> names;
-    for (unsigned value = 0; value <= unsigned(last); ++value) {
+    for (unsigned value = 0; to_string(Enum(value)) != unknown; ++value) {
         CAPTURE(value);
         const std::string name = to_string(Enum(value));
+        REQUIRE(names.insert(name).second);
         CHECK(!name.empty());
-        CHECK(name != unknown);
         CHECK(name.back() != '.');
-        CHECK(names.insert(name).second);
     }
-    CHECK(to_string(Enum(unsigned(last) + 1)) == unknown);
+    return unsigned(names.size());
 }
 
 } // namespace
 
 TEST_CASE("every status has its own text", "[core][status]") {
-    check_names(Status::influences_not_supported, "unknown status");
+    CHECK(check_names<Status>("unknown status") > unsigned(Status::index_out_of_range));
 }
 
 TEST_CASE("every point state has its own name", "[core][status]") {
-    check_names(PointState::unreached, "unknown");
+    CHECK(check_names<PointState>("unknown") == unsigned(PointState::unreached) + 1);
 }
 
 TEST_CASE("the first status is ok, and to_string is constexpr", "[core][status]") {
