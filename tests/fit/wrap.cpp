@@ -450,11 +450,40 @@ TEST_CASE("a wrap names what it refuses", "[fit]") {
         if (n == 3) options.stages = {{6, {-1}, 0.1}};
         refused(good, good, Status::value_not_finite, none, false, options);
     }
+    data = source_mesh();
+    for (V& v : data.vertices) v = 50 * v;
+    options = quick();
+    options.align = false;
+    refused(surface_of(data), good, Status::too_many_handles, none, false, options);
+    marks = {{}, {{}, {0, 1e9, 0}}};
+    options.landmarks = marks;
+    refused(good, good, Status::value_not_finite, 1, false, options);
+
     const cageform::TriangleMesh<double> no_cage;
     const auto [unfit, report] = cageform::wrap(cageform::MeanValueCoordinates(no_cage), good, good);
     CHECK(report.status == Status::too_few_vertices);
     std::vector<V> out(1);
     CHECK(move(Wrap<double>{}, source_mesh().vertices, out) == Status::output_too_small);
+}
+
+TEST_CASE("points far from the source change nothing else", "[fit]") {
+    Random random(9);
+    const MeshData source = source_mesh(), target = Body::random(random).mesh(25, 16, 2);
+    std::vector<V> follow = Body{}.clothes(0.01);
+    WrapOptions options = quick();
+    options.follow = follow;
+    const auto without = cageform::wrap(surface_of(source), surface_of(target), options);
+    const std::vector<V> far_away{{0, 300, 0}, {-1e9, 2, 0}, {1e308, -1e308, 1e308}};
+    follow.insert(follow.begin() + 5, far_away.begin(), far_away.end());
+    options.follow = follow;
+    const auto with = cageform::wrap(surface_of(source), surface_of(target), options);
+    REQUIRE(with.report.status == Status::ok);
+    CHECK(without.report.far_followers == 0);
+    CHECK(with.report.far_followers == far_away.size());
+    CHECK(with.value.lattice_pose == without.value.lattice_pose);
+    std::vector<V> moved(2);
+    REQUIRE(move(with.value, std::span(far_away).first(2), moved) == Status::ok);
+    CHECK((cageform::is_finite(moved[0]) && cageform::is_finite(moved[1])));
 }
 
 TEST_CASE("wraps report progress, and a cancelled wrap keeps its last pose without a fold", "[fit]") {

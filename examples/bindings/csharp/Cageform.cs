@@ -532,7 +532,7 @@ namespace Cageform
             internal double rms, max_distance, turn, mean_influences;
             internal double height, start, to_target_mean, to_target_upper, to_target_largest;
             internal double to_source_mean, to_source_upper, to_source_largest, unmatched_source, unmatched_target, noise;
-            internal UIntPtr skipped_faces, left_out;
+            internal UIntPtr skipped_faces, left_out, far_followers;
             internal uint ended, of_target;
         }
 

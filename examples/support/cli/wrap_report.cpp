@@ -100,10 +100,10 @@ std::string describe(const WrapMap& map, const WrapFigures& figures) {
     std::string text = describe_size("source", figures.source, figures.source_surface) +
                        describe_size("target", figures.target, figures.target_surface) +
                        "height of the target: " + short_number(report.height) + '\n';
-    if (!map.coordinates) text += describe_alignment(map.wrap.first);
-    text += table_of_steps(report) + table_of_distances(report, figures) +
-            "unmatched: " + percent_of(report.unmatched_source) + " of the source, " +
-            percent_of(report.unmatched_target) + " of the target\nnoise of the target: " +
+    text += describe_alignment(report.alignment) + table_of_steps(report) +
+            table_of_distances(report, figures) + "unmatched: " + percent_of(report.unmatched_source) +
+            " of the source, " + percent_of(report.unmatched_target) +
+            " of the target\nnoise of the target: " +
             (report.noise > 0 ? percent_of(report.noise) : "below 0.1 %") + '\n';
     if (report.skipped_faces > 0)
         text += "faces of the target without area: " + std::to_string(report.skipped_faces) + '\n';
@@ -141,6 +141,10 @@ std::vector<std::string> warnings_of(const WrapMap& map, const WrapFigures& figu
         warnings.push_back("lattices with " + std::to_string(report.left_out) +
                            " or more cells along the height are left out: they need more than " +
                            std::to_string(cageform::WrapOptions{}.handles) + " handles");
+    if (report.far_followers > 0)
+        warnings.push_back(std::to_string(report.far_followers) +
+                           " points that follow are farther from the source than its height: nothing "
+                           "limits how far they move");
     const std::size_t folds = report.folded_vertices + report.folded_followers + report.folded_samples;
     if (folds > 0)
         warnings.push_back("the map folds space at " + std::to_string(report.folded_vertices) +

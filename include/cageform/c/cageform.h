@@ -342,6 +342,7 @@ typedef struct cageform_report {
     double noise;         /* standard deviation of the target's vertices; below 1e-3: 0 */
     size_t skipped_faces; /* faces of the target without area */
     size_t left_out;      /* spans of the first lattice with more than options.handles; 0: none */
+    size_t far_followers; /* followers too far from the source to be checked */
     uint32_t ended;       /* CAGEFORM_ENDED_STAGES, … */
     uint32_t of_target;   /* 1: `culprit` is of the target */
 } cageform_report;

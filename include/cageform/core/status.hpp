@@ -39,7 +39,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
     X(sites_in_a_plane, "all sites lie in a plane (in 2D on a line)")                             \
     /* enclose/: make_cage */                                                                     \
-    X(figure_empty, "the figure has nothing to enclose")                                          \
+    X(figure_empty, "the figure has no points, or no faces")                                      \
     X(figure_not_finite, "a coordinate of the figure is not a finite number, or too large")       \
     X(figure_has_no_size, "the figure is a single point")                                         \
     X(margin_not_positive, "the margin of a cage is not a positive number")                       \

@@ -19,8 +19,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   cost            see fit/README.md; about 6 s for bodies of 13,000 vertices; memory about 200 MB
 ///   fails           figure_empty; figure_not_finite (a vertex); index_out_of_range (a face);
 ///                   figure_has_no_size; value_not_finite (a landmark, a follower or an option);
-///                   weights_not_positive (a landmark); fit_not_reached (less than half of the source or of
-///                   the target has a match); cancelled; out_of_memory. The report names the culprit
+///                   weights_not_positive (a landmark); too_many_handles (of the coarsest lattice: the source
+///                   or a landmark is far larger or farther than the target); fit_not_reached (less than half
+///                   of the source or of the target has a match); cancelled; out_of_memory. The report names
+///                   the culprit
 template <Scalar T = double>
 Result<Wrap<T>, WrapReport> wrap(const SurfaceMesh& source, const SurfaceMesh& target,
                                  const WrapOptions& options = {}, const Running& running = {}) {

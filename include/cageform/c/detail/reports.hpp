@@ -151,6 +151,7 @@ inline void fill(cageform_report& report, const WrapReport& fitted) noexcept {
     report.noise = fitted.noise;
     report.skipped_faces = fitted.skipped_faces;
     report.left_out = fitted.left_out;
+    report.far_followers = fitted.far_followers;
     report.ended = static_cast<std::uint32_t>(fitted.ended);
     report.seconds = fitted.seconds;
 }

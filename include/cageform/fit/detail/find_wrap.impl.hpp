@@ -46,12 +46,13 @@ public:
         frame_.emplace(source_.vertices(), source_.faces(), target_.vertices(), options_);
         const WrapFrame& frame = *frame_;
         report_.height = frame.height;
+        report_.alignment = frame.first.transform();
         if (!(frame.height > 0) || !is_finite(frame.first.scale) || !is_finite(frame.first.shift))
             return Status::figure_has_no_size;
         Status status = set_scene(frame, running.subtask(0, 0.1));
         if (status != Status::ok) return status;
         std::vector<WrapOptions::Stage> stages = wrap_stages(options_, cage_ != nullptr);
-        leave_out_large(stages);
+        if (!leave_out_large(stages)) return Status::too_many_handles;
         for (std::size_t n = 0; n < stages.size() && status == Status::ok; ++n) {
             const double from = 0.1 + 0.85 * double(n) / double(stages.size()),
                          to = 0.1 + 0.85 * double(n + 1) / double(stages.size());
@@ -132,19 +133,37 @@ private:
         return are_options_valid ? Status::ok : Status::value_not_finite;
     }
 
-    Status set_scene(const WrapFrame& frame, const Running& running) {
-        constexpr double spacing = 1.0 / 50, least_noise = 1e-3;
+    /// Converts the source, the followers near it, and the landmarks to the units of the wrap.
+    Status set_points(const WrapFrame& frame) {
+        constexpr double reach = 1, most = 1e4;
         const Similarity of_source = frame.unit.after(frame.first);
         for (const Point& p : source_.vertices()) scene_.source.rest.push_back(of_source(p));
-        for (const Point& p : options_.follow) scene_.followers.rest.push_back(of_source(p));
+        const auto box = bounds_of(std::span<const Point>(scene_.source.rest));
+        if (!(box.diagonal() < most)) return Status::too_many_handles;
+        const auto is_near = [&](const Point& p, double distance) {
+            return is_finite(p) && box.widened(distance).covers({p, p});
+        };
+        for (const Point& p : options_.follow) {
+            if (is_near(of_source(p), reach)) scene_.followers.rest.push_back(of_source(p));
+        }
+        report_.far_followers = options_.follow.size() - scene_.followers.size();
         scene_.source_faces.assign(source_.faces().begin(), source_.faces().end());
         double weights = 0;
         for (const Landmark& mark : options_.landmarks) weights += mark.weight;
-        for (const Landmark& mark : options_.landmarks) {
+        for (std::size_t n = 0; n < options_.landmarks.size(); ++n) {
+            const Landmark& mark = options_.landmarks[n];
             scene_.marks.rest.push_back(of_source(mark.from));
             scene_.mark_targets.push_back(frame.unit(mark.to));
             scene_.mark_weights.push_back(mark.weight / weights);
+            if (!is_near(scene_.marks.rest.back(), most) || !is_near(scene_.mark_targets.back(), most))
+                return refuse(Status::value_not_finite, n);
         }
+        return Status::ok;
+    }
+    Status set_scene(const WrapFrame& frame, const Running& running) {
+        constexpr double least_noise = 1e-3;
+        Status status = set_points(frame);
+        if (status != Status::ok) return status;
         std::vector<Point> target;
         for (const Point& p : target_.vertices()) target.push_back(frame.unit(p));
         scene_.target = ClosestPlaces(target, target_.faces());
@@ -152,14 +171,15 @@ private:
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
         GridSamples samples;
-        Status status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
-        if (status != Status::ok) return status;
-        if (samples.places.size() > options_.samples) {
-            const double wider = std::cbrt(double(samples.places.size()) / double(options_.samples));
+        double spacing = cage_ != nullptr ? 1.0 / 35 : 1.0 / 50;
+        scene_.shell = 2 * spacing;
+        status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
+        while (status == Status::ok && samples.places.size() > options_.samples) {
+            spacing *= (std::max)(1.01, std::cbrt(double(samples.places.size()) / double(options_.samples)));
             samples = {};
-            status = sample_shell(scene_, source, wider * spacing, running.subtask(0.5, 1), samples);
-            if (status != Status::ok) return status;
+            status = sample_shell(scene_, source, spacing, running.subtask(0.5, 1), samples);
         }
+        if (status != Status::ok) return status;
         if (cage_ != nullptr) status = keep_reached(frame, samples);
         if (status != Status::ok) return status;
         scene_.samples.rest = std::move(samples.places);
@@ -220,29 +240,37 @@ private:
         }
         return box;
     }
-    /// Removes lattices with too many handles near samples, but not the first stage.
-    void leave_out_large(std::vector<WrapOptions::Stage>& stages) {
+    /// Removes lattices with too many handles near samples. Returns false if none remains, and no cage.
+    bool leave_out_large(std::vector<WrapOptions::Stage>& stages) {
+        const auto box = lattice_box();
+        const bool begins_with_lattice = !stages.empty() && stages.front().cells > 0;
         std::erase_if(stages, [&](const WrapOptions::Stage& stage) {
-            if (stage.cells == 0 || &stage == &stages.front()) return false;
-            const WrapLattice lattice(lattice_box(), 1.0 / stage.cells);
-            LatticeRows rows;
-            (void)lattice.weights(scene_.samples.now, rows);
-            std::vector<char> is_used(lattice.size());
-            for (std::size_t n = 0; n < rows.size(); ++n)
-                rows.for_each(n, [&](std::size_t i, double /*w*/) { is_used[i] = 1; });
-            const auto used = std::size_t(std::count(is_used.begin(), is_used.end(), char{1}));
-            if (used <= options_.handles) return false;
+            if (stage.cells == 0 || lattice_handles(box, stage.cells) <= options_.handles) return false;
             if (report_.left_out == 0) report_.left_out = stage.cells;
             return true;
         });
+        return !(begins_with_lattice && stages.empty());
+    }
+    /// Returns the number of handles near samples; the largest number for a lattice far beyond the limit.
+    std::size_t lattice_handles(const Bounds<double, 3>& box, unsigned cells) const {
+        constexpr double most_per_used = 64; // figures oblique to their box use a small part of it
+        double all = 1;
+        for (std::size_t k = 0; k < 3; ++k) all *= (box.upper[k] - box.lower[k]) * cells + 5;
+        if (all > most_per_used * double(options_.handles)) return ~std::size_t{0};
+        const WrapLattice lattice(box, 1.0 / cells);
+        LatticeRows rows;
+        (void)lattice.weights(scene_.samples.now, rows);
+        std::vector<char> is_used(lattice.size());
+        for (std::size_t n = 0; n < rows.size(); ++n)
+            rows.for_each(n, [&](std::size_t i, double /*w*/) { is_used[i] = 1; });
+        return std::size_t(std::count(is_used.begin(), is_used.end(), char{1}));
     }
     Status run_stage(const WrapFrame& frame, const std::vector<WrapOptions::Stage>& stages, std::size_t n,
                      const Running& running) {
-        constexpr std::size_t coarse_vertices = 5000;
         WrapStageOptions options{stages[n], options_.floor, options_.residual};
         options.is_last = n + 1 == stages.size();
         options.noise = options.is_last ? report_.noise : 0;
-        options.vertices = options.is_last ? 0 : coarse_vertices;
+        if (options.is_last && stages[n].cells > 0) options.vertices = scene_.source.size();
         options.first_by_landmarks = n == 0 && options_.other_pose && !options_.landmarks.empty();
         options.guards_followers = n > 0;
         if (stages[n].cells == 0) {
@@ -285,6 +313,10 @@ private:
         std::vector<char> is_free;
         is_free.reserve(lattice.size());
         for (const Point& p : lattice.rest()) is_free.push_back(near_places.has(p, reach) ? 1 : 0);
+        if (std::size_t(std::count(is_free.begin(), is_free.end(), char{1})) > options_.handles) {
+            report_.left_out = options.stage.cells;
+            return finisher.finish(lattice_pose_);
+        }
         options.free_handles = &is_free;
         GridSamples fine;
         const double wide = reach + 2 * lattice.cell();

@@ -24,6 +24,7 @@ struct MovedPoints {
 struct WrapScene {
     std::vector<SurfaceMesh::Face> source_faces;
     MovedPoints source, followers, samples, marks;
+    double shell = 0.04; ///< width of the sampled space about source and followers
     std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs of samples along the axes of their grid
     std::vector<Vec<double, 3>> mark_targets;
     std::vector<double> mark_weights; ///< their sum is 1
@@ -141,23 +142,29 @@ private:
 
 /// Samples the inside of the source, and a shell about the source and the followers.
 ///
-///   spacing  of the grid, in units of the height
-inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, double spacing,
+///   spacing  of the grid; becomes wider for a grid of more than a million places
+inline Status sample_shell(const WrapScene& scene, const ClosestPlaces& source, double& spacing,
                            const Running& running, GridSamples& samples) {
     using Point = Vec<double, 3>;
-    constexpr double shell = 0.04; // its width
+    constexpr double most = 1e6;
     Bounds<double, 3> box = bounds_of(std::span<const Point>(scene.source.rest));
     if (scene.followers.size() > 0) box.include(bounds_of(std::span<const Point>(scene.followers.rest)));
+    const auto extent = box.upper - box.lower;
+    const auto places = [&] {
+        return (extent[0] / spacing + 5) * (extent[1] / spacing + 5) * (extent[2] / spacing + 5);
+    };
+    while (places() > most) spacing *= 1.1;
     const NearPoints followers(scene.followers.rest);
     const auto make_test = [&] {
         return [&, guess = no_vertex](const Point& p) mutable {
             const ClosestPlaces::Place at = source.find(p, {}, guess);
             guess = at.face;
             const auto e = p - at.place;
-            return dot(e, e) < shell * shell || dot(e, at.normal) < 0 || followers.has(p, shell);
+            return dot(e, e) < scene.shell * scene.shell || dot(e, at.normal) < 0 ||
+                   followers.has(p, scene.shell);
         };
     };
-    return sample_grid(box.widened(shell), spacing, make_test, running, samples);
+    return sample_grid(box.widened(scene.shell), spacing, make_test, running, samples);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -26,7 +26,8 @@ struct WrapStageOptions {
     double noise = 0; ///< of the target; 0: unknown or low
     bool first_by_landmarks = false, guards_followers = true, is_last = false;
     const std::vector<char>* free_handles = nullptr; ///< #handles: which may move; null: all
-    std::size_t vertices = 0; ///< number of vertices of the source that are matched; 0: all
+    /// Number of vertices of the source that are matched. The last stiffness of the last stage matches all.
+    std::size_t vertices = 5000;
 };
 
 template <class Basis>
@@ -52,18 +53,23 @@ public:
     /// Throws std::bad_alloc.
     Status run(std::vector<Point>& pose, WrapReport& report, WrapReport::End& ended) {
         if (const Status status = prepare(pose); status != Status::ok) return status;
-        WrapMatches matches(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
+        std::optional<WrapMatches> matches;
         std::vector<double> list = options_.stage.stiffness;
         if (options_.first_by_landmarks && !list.empty()) list.insert(list.begin(), list.front());
         for (std::size_t n = 0; n < list.size(); ++n) {
             const double data = options_.first_by_landmarks && n == 0 ? 1e-3 : 1;
-            if (options_.first_by_landmarks && n < 2) set_data(data);
+            const bool matches_all = options_.is_last && n + 1 == list.size();
+            if (n == 0 || matches_all) {
+                choose_matched(matches_all ? scene_.source.size() : options_.vertices);
+                matches.emplace(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
+            }
+            if (n == 0 || matches_all || (options_.first_by_landmarks && n == 1)) set_data(data);
             WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
             const Running running =
                 running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size()));
-            Status status = solve({list[n], data, matches, pose, step, running});
-            step.residual = matches.rms();
+            Status status = solve({list[n], data, *matches, pose, step, running});
+            step.residual = matches->rms();
             if (status == Status::ok) status = guard(good, pose, step);
             if (status != Status::ok) {
                 pose = good;
@@ -71,18 +77,18 @@ public:
             }
             move_source(pose);
             report.steps.push_back(step);
-            report.unmatched_source = matches.unmatched_source();
-            report.unmatched_target = matches.unmatched_target();
+            report.unmatched_source = matches->unmatched_source();
+            report.unmatched_target = matches->unmatched_target();
             if (step.kept < 0.5) {
                 ended = WrapReport::End::fold;
                 break;
             }
-            if (options_.noise > 0 && matches.back_residual(places_, normals_) <= options_.noise) {
+            if (options_.noise > 0 && matches->back_residual(places_, normals_) <= options_.noise) {
                 ended = WrapReport::End::noise;
                 break;
             }
             if (options_.residual > 0 && options_.is_last &&
-                matches.upper_residual(places_) < options_.residual) {
+                matches->upper_residual(places_) < options_.residual) {
                 ended = WrapReport::End::residual;
                 break;
             }
@@ -92,10 +98,17 @@ public:
 
     /// Applies the pose to all points of the scene, and its Jacobian to theirs.
     Status finish(const std::vector<Point>& pose) {
-        for (MovedPoints* points : {&scene_.source, &scene_.followers, &scene_.samples, &scene_.marks}) {
+        std::size_t first = 0; // of the points in check_rows_
+        for (MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers, &scene_.marks}) {
             std::vector<LinearMap<double, 3>> jacobians;
-            if (const Status status = jacobians_of(*points, pose, jacobians); status != Status::ok)
+            if (points == &scene_.samples && sample_rows_.size() > 0) {
+                add_jacobians(sample_rows_, {0, points->size()}, pose, jacobians);
+            } else if (points != &scene_.marks && check_rows_.size() > 0) {
+                add_jacobians(check_rows_, {first, first + points->size()}, pose, jacobians);
+                first += points->size();
+            } else if (const Status status = jacobians_of(*points, pose, jacobians); status != Status::ok) {
                 return status;
+            }
             Rows rows;
             if (const Status status = basis_.weights(points->now, rows); status != Status::ok) return status;
             for (std::size_t i = 0; i < points->size(); ++i) points->now[i] = rows.product(i, pose);
@@ -105,11 +118,12 @@ public:
     }
 
 private:
-    Status prepare(const std::vector<Point>& pose) {
-        const std::size_t count = scene_.source.size();
-        matched_ = shuffled(count);
-        if (options_.vertices != 0 && options_.vertices < count) matched_.resize(options_.vertices);
+    void choose_matched(std::size_t most) {
+        matched_ = shuffled(scene_.source.size());
+        matched_.resize((std::min)(matched_.size(), most));
         std::sort(matched_.begin(), matched_.end());
+    }
+    Status prepare(const std::vector<Point>& pose) {
         std::vector<Point> guarded;
         for (std::size_t n = 0; options_.guards_followers && n < scene_.guarded.size(); ++n)
             guarded.push_back(scene_.followers.now[scene_.guarded[n].follower]);
@@ -135,7 +149,6 @@ private:
         data_ = basis_.matrix(unknowns_);
         rigid_ = data_;
         sum_ = data_;
-        set_data(1);
         set_rigid();
         move_source(pose);
         return Status::ok;
@@ -202,7 +215,8 @@ private:
             if (!factors_.factor(sum_)) return Status::pose_not_determined;
             if (!iterate(task, proximity)) return Status::cancelled;
             bool is_low = false;
-            const auto least = least_stretches(sample_rows_, task.pose);
+            std::vector<double> least;
+            add_least_stretches(sample_rows_, task.pose, least);
             for (std::size_t s = 0; s < least.size(); ++s) {
                 if (!(least[s] < options_.floor)) continue;
                 is_low = true;
@@ -329,15 +343,27 @@ private:
         }
         return j;
     }
-    /// Returns the least singular values of the Jacobians, negative where the map folds.
-    std::vector<double> least_stretches(const Rows& rows, const std::vector<Point>& pose) const {
-        std::vector<double> least(rows.size() / 3);
-        in_parallel(running_, least.size(), 256, [&](std::size_t begin, std::size_t end) {
+    static void add_jacobians(const Rows& rows, const std::array<std::size_t, 2>& range,
+                              const std::vector<Point>& pose, std::vector<LinearMap<double, 3>>& jacobians) {
+        for (std::size_t n = range[0]; n < range[1]; ++n) jacobians.push_back(jacobian_of(rows, n, pose));
+    }
+    /// Adds the least singular values of the Jacobians, negative where the map folds.
+    void add_least_stretches(const Rows& rows, const std::vector<Point>& pose,
+                             std::vector<double>& least) const {
+        const std::size_t first = least.size(), count = rows.size() / 3;
+        least.resize(first + count);
+        in_parallel(running_, count, 256, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) {
                 const auto j = jacobian_of(rows, n, pose);
-                least[n] = std::copysign(std::sqrt(squared_stretches(j)[0]), determinant(j));
+                least[first + n] = std::copysign(std::sqrt(squared_stretches(j)[0]), determinant(j));
             }
         });
+    }
+    /// Returns the least singular values at the places of the fold guard.
+    std::vector<double> stretches_of_places(const std::vector<Point>& pose) const {
+        std::vector<double> least;
+        add_least_stretches(sample_rows_, pose, least);
+        add_least_stretches(check_rows_, pose, least);
         return least;
     }
     Status jacobians_of(const MovedPoints& points, const std::vector<Point>& pose,
@@ -350,7 +376,7 @@ private:
             Rows rows;
             const Status status = basis_.gradients(std::span(points.now).subspan(first, count), before, rows);
             if (status != Status::ok) return status;
-            for (std::size_t n = 0; n < count; ++n) jacobians.push_back(jacobian_of(rows, n, pose));
+            add_jacobians(rows, {0, count}, pose, jacobians);
         }
         return Status::ok;
     }
@@ -363,27 +389,31 @@ private:
         constexpr int rounds = 80;
         constexpr double back = 0.3;
         if (check_rows_.size() == 0) {
-            for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers}) {
-                checks_.now.insert(checks_.now.end(), points->now.begin(), points->now.end());
-                checks_.jacobians.insert(checks_.jacobians.end(), points->jacobians.begin(),
-                                         points->jacobians.end());
+            std::vector<Point> places;
+            std::vector<LinearMap<double, 3>> before;
+            for (const MovedPoints* points : {&scene_.source, &scene_.followers}) {
+                places.insert(places.end(), points->now.begin(), points->now.end());
+                before.insert(before.end(), points->jacobians.begin(), points->jacobians.end());
             }
-            const Status status = basis_.gradients(checks_.now, checks_.jacobians, check_rows_);
+            const Status status = basis_.gradients(places, before, check_rows_);
             if (status != Status::ok) return status;
         }
-        std::vector<double> least = least_stretches(check_rows_, pose);
+        std::vector<double> least = stretches_of_places(pose);
         const auto is_low = [&](std::size_t n) { return least[n] < options_.floor; };
         std::vector<std::size_t> numbers(least.size());
         std::iota(numbers.begin(), numbers.end(), std::size_t{0});
         if (std::none_of(numbers.begin(), numbers.end(), is_low)) return Status::ok;
 
-        std::vector<double> limits = least_stretches(check_rows_, good);
+        std::vector<double> limits = stretches_of_places(good);
         for (double& limit : limits)
             limit = limit >= options_.floor
                         ? options_.floor
                         : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
+        std::vector<Point> places;
+        for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers})
+            places.insert(places.end(), points->now.begin(), points->now.end());
         Rows weights;
-        const Status status = basis_.weights(checks_.now, weights);
+        const Status status = basis_.weights(places, weights);
         if (status != Status::ok) return status;
         std::vector<double> kept(basis_.size(), 1), pulled(basis_.size());
         const std::vector<Point> wanted = pose;
@@ -411,7 +441,7 @@ private:
                 kept[i] *= 1 - back * std::cbrt(pulled[i]);
                 pose[i] = good[i] + kept[i] * (wanted[i] - good[i]);
             }
-            least = least_stretches(check_rows_, pose);
+            least = stretches_of_places(pose);
         }
         step.kept = 0;
         for (const std::uint32_t i : unknowns_) step.kept += kept[i] / double(unknowns_.size());
@@ -424,8 +454,8 @@ private:
     const Running& running_;
     std::vector<std::uint32_t> matched_; ///< vertices of the source that are matched
     Rows vertex_rows_, guard_rows_, mark_rows_, sample_rows_;
-    MovedPoints checks_; ///< the places of the fold guard: samples, vertices of the source, followers
-    Rows check_rows_;    ///< their derivatives
+    /// Derivatives at vertices of the source and at followers: with the samples, the places of the fold guard.
+    Rows check_rows_;
     std::vector<char> is_unknown_;        ///< #handles
     std::vector<std::uint32_t> unknowns_; ///< handles with a row
     std::vector<double> rigidity_;        ///< #samples times the weights a

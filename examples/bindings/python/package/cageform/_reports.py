@@ -121,6 +121,7 @@ class Report:
     noise: float = 0               #: standard deviation of the target's vertices; below 1e-3: 0
     skipped_faces: int = 0         #: faces of the target without area
     left_out: int = 0              #: spans of the first lattice with more handles than allowed; 0: none
+    far_followers: int = 0         #: followers too far from the source to be checked
     ended: str = 'stages'          #: 'stages', 'residual' or 'noise' (was reached), 'fold': a finer fit would fold space
     of_target: bool = False        #: the culprit is of the target
 
