@@ -1,8 +1,10 @@
 // Wrap beside non-rigid ICP (Amberg, Romdhani, Vetter 2007): how close, how faithful, how long?
 //
 //     bench_wrap SOURCE.obj TARGET.obj [--clothes CLOTHES.obj] [--truth TRUTH.obj] [--finest 24]
+//         [--cage 120]
 //
-// Prints a row for each method. Lengths are percent of the target's height.
+// Prints a row for each method; with --cage also for a cage of so many vertices about source and clothes, and
+// for this cage and a lattice. Lengths are percent of the target's height.
 //
 //     to target, to source  Mean distance of the wrapped source's vertices from the target, and back.
 //     truth                 Mean distance of corresponding vertices. The file TRUTH is the target with the
@@ -16,6 +18,8 @@
 // The peer starts from the alignment of the wrap. Its clothes follow the nearest face.
 #include "nonrigid_icp.hpp"
 
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
 #include <cageform/fit/wrap.hpp>
 
 #define TINYOBJLOADER_IMPLEMENTATION
@@ -98,28 +102,52 @@ double processor_seconds() {
     return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
-void compare(const Figures& of, unsigned finest) {
+/// Wraps and prints a row. Returns the wrap.
+///
+///   coordinates  those of a cage, or nothing
+template <class... C>
+cageform::Wrap<double> wrap_row(const char* name, const Figures& of, unsigned finest,
+                                const C&... coordinates) {
     cageform::WrapOptions options;
     options.finest = finest;
     options.follow = of.clothes.vertices();
-    double start = processor_seconds();
-    const auto [wrap, report] = cageform::wrap(of.source, of.target, options);
+    const double start = processor_seconds();
+    const auto [wrap, report] = cageform::wrap(coordinates..., of.source, of.target, options);
     const double seconds = processor_seconds() - start;
     if (report.status != cageform::Status::ok) throw std::runtime_error(to_string(report.status));
     Points wrapped(of.source.vertices().size()), clothes(of.clothes.vertices().size());
-    if (move(wrap, of.source.vertices(), wrapped) != cageform::Status::ok ||
-        move(wrap, of.clothes.vertices(), clothes) != cageform::Status::ok)
+    if (move(wrap, coordinates..., of.source.vertices(), wrapped) != cageform::Status::ok ||
+        move(wrap, coordinates..., of.clothes.vertices(), clothes) != cageform::Status::ok)
         throw std::runtime_error("the wrap cannot be applied");
+    print_row(name, of, wrapped, clothes, seconds);
+    return wrap;
+}
+
+void wrap_by_cage(const Figures& of, unsigned finest, std::size_t cage_vertices) {
+    Points enclosed(of.source.vertices().begin(), of.source.vertices().end());
+    std::vector<SurfaceMesh::Face> faces(of.source.faces().begin(), of.source.faces().end());
+    const auto first = std::uint32_t(enclosed.size());
+    enclosed.insert(enclosed.end(), of.clothes.vertices().begin(), of.clothes.vertices().end());
+    for (const auto& [a, b, c] : of.clothes.faces()) faces.push_back({a + first, b + first, c + first});
+    const auto [cage, report] = cageform::make_cage(enclosed, faces, {.vertices = cage_vertices});
+    if (report.status != cageform::Status::ok) throw std::runtime_error(to_string(report.status));
+    const cageform::MeanValueCoordinates coordinates(cage);
+    wrap_row("cage", of, 0, coordinates);
+    wrap_row("cage, lattice", of, finest, coordinates);
+}
+
+void compare(const Figures& of, unsigned finest, std::size_t cage_vertices) {
     std::printf("%-15s %9s %9s %7s %7s %8s %9s %8s\n", "", "to target", "to source", "truth", "turned",
                 "own skin", "in target", "seconds");
-    print_row("wrap", of, wrapped, clothes, seconds);
+    const auto wrap = wrap_row("wrap", of, finest);
+    if (cage_vertices > 0) wrap_by_cage(of, finest, cage_vertices);
 
     Points aligned, aligned_clothes;
     for (const auto& p : of.source.vertices())
         aligned.push_back(wrap.first.map_vector(p) + wrap.first.translation);
     for (const auto& p : of.clothes.vertices())
         aligned_clothes.push_back(wrap.first.map_vector(p) + wrap.first.translation);
-    start = processor_seconds();
+    const double start = processor_seconds();
     const auto peer =
         cageform_bench::nonrigid_icp(aligned, of.source.faces(), of.target.vertices(), of.target.faces());
     const double peer_seconds = processor_seconds() - start;
@@ -132,6 +160,7 @@ int run(const std::vector<std::string>& arguments) {
     Figures figures;
     std::vector<std::string> files;
     unsigned finest = 24;
+    std::size_t cage_vertices = 0;
     for (std::size_t n = 0; n < arguments.size(); ++n) {
         const bool has_value = n + 1 < arguments.size();
         if (arguments[n] == "--clothes" && has_value)
@@ -140,13 +169,15 @@ int run(const std::vector<std::string>& arguments) {
             figures.truth = read_obj(arguments[++n]);
         else if (arguments[n] == "--finest" && has_value)
             finest = unsigned(std::strtoul(arguments[++n].c_str(), nullptr, 10));
+        else if (arguments[n] == "--cage" && has_value)
+            cage_vertices = std::strtoul(arguments[++n].c_str(), nullptr, 10);
         else
             files.push_back(arguments[n]);
     }
     if (files.size() != 2) {
-        std::fputs(
-            "usage: bench_wrap SOURCE.obj TARGET.obj [--clothes FILE] [--truth FILE] [--finest CELLS]\n",
-            stderr);
+        std::fputs("usage: bench_wrap SOURCE.obj TARGET.obj [--clothes FILE] [--truth FILE] [--finest CELLS] "
+                   "[--cage VERTICES]\n",
+                   stderr);
         return 2;
     }
     figures.source = read_obj(files[0]);
@@ -160,7 +191,7 @@ int run(const std::vector<std::string>& arguments) {
         high = std::fmax(high, p[1]);
     }
     figures.height = high - low;
-    compare(figures, finest);
+    compare(figures, finest, cage_vertices);
     return 0;
 }
 

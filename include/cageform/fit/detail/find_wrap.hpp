@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/result.hpp>
-#include <cageform/fit/detail/wrap_cage.hpp>
+#include <cageform/fit/detail/dense_rows.hpp>
 #include <cageform/fit/types/wrap.hpp>
 #include <cageform/parallel/running.hpp>
 
@@ -11,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The cage of a wrap, in the space of the source.
 struct WrapCageInput {
     std::vector<Vec<double, 3>> rest;
-    std::vector<char> is_point;  ///< #handles
-    WrapCage::Evaluate evaluate; ///< weights, or derivatives along the axes of the source
+    std::vector<char> is_point; ///< #handles
+    EvaluateCage evaluate;      ///< weights, or derivatives along the axes of the source
 };
 
 /// What `wrap` is given.

@@ -3,9 +3,10 @@
 
 #include <cageform/fit/detail/check_surface.hpp>
 #include <cageform/fit/detail/find_wrap.hpp>
+#include <cageform/fit/detail/lattice_matrix.hpp>
 #include <cageform/fit/detail/target_noise.hpp>
+#include <cageform/fit/detail/wrap_cage.hpp>
 #include <cageform/fit/detail/wrap_frame.hpp>
-#include <cageform/fit/detail/wrap_lattice.hpp>
 #include <cageform/fit/detail/wrap_stage.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -358,7 +359,7 @@ private:
         return rest;
     }
     /// Evaluates the cage at points in the units of the wrap.
-    WrapCage::Evaluate unit_evaluate(const WrapFrame& frame) const {
+    EvaluateCage unit_evaluate(const WrapFrame& frame) const {
         const Similarity back = frame.unit.after(frame.first).inverse();
         return [this, back](std::span<const Point> points, bool derivatives, DenseRows& rows) {
             std::vector<Point> places;

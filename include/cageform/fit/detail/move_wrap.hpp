@@ -60,7 +60,11 @@ Status move_by_lattice(const Wrap<T>& wrap, std::vector<Vec<T, 3>>& points,
     if (!wrap.lattice) return Status::ok;
     if (wrap.lattice_pose.size() != wrap.lattice->handles().size()) return Status::pose_size_differs;
     const WrapLattice lattice(*wrap.lattice);
-    const LinearMap<double, 3> to_box = inverse_columns(wrap.lattice->box());
+    LinearMap<double, 3> box;
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) box.at[r][c] = double(wrap.lattice->box().columns[c][r]);
+    }
+    const LinearMap<double, 3> to_box = inverse(box);
     std::vector<Point> pose;
     pose.reserve(wrap.lattice_pose.size());
     for (const auto& p : wrap.lattice_pose) pose.push_back(vec_cast<double>(p));

@@ -1,38 +1,13 @@
-// The cage of a wrap: dense rows of weights, and the normal equations.
+// The cage of a wrap, and its normal equations.
 #pragma once
 
-#include <cageform/core/status.hpp>
+#include <cageform/fit/detail/dense_rows.hpp>
 #include <cageform/pose/detail/pose_system.hpp>
 #include <cageform/pose/detail/stretches.hpp>
 
 #include <Eigen/Core>
 
-#include <functional>
-#include <span>
-#include <vector>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// Rows of one weight per handle.
-struct DenseRows {
-    std::size_t handles = 0;
-    std::vector<double> weights; ///< #rows · #handles
-
-    std::size_t size() const noexcept { return handles == 0 ? 0 : weights.size() / handles; }
-    template <class F>
-    void for_each(std::size_t row, const F& f) const {
-        const double* const w = weights.data() + row * handles;
-        for (std::size_t i = 0; i < handles; ++i) f(i, w[i]);
-    }
-    Vec<double, 3> product(std::size_t row, const std::vector<Vec<double, 3>>& p) const noexcept {
-        Vec<double, 3> sum{};
-        for_each(row, [&](std::size_t i, double w) { sum = sum + w * p[i]; });
-        return sum;
-    }
-    void add(std::size_t row, const Vec<double, 3>& value, std::vector<Vec<double, 3>>& sums) const noexcept {
-        for_each(row, [&](std::size_t i, double w) { sums[i] = sums[i] + w * value; });
-    }
-};
 
 /// A symmetric matrix over the handles of a cage. Rows are collected and added as one product.
 class DenseMatrix {
@@ -125,11 +100,8 @@ public:
     using Rows = DenseRows;
     using Matrix = DenseMatrix;
     using Factors = DenseFactors;
-    /// Fills one row of weights per point, or three rows of derivatives. Rows of points without weights are
-    /// zero.
-    using Evaluate = std::function<Status(std::span<const Point> points, bool derivatives, DenseRows& rows)>;
 
-    WrapCage(std::vector<Point> rest, Evaluate evaluate)
+    WrapCage(std::vector<Point> rest, EvaluateCage evaluate)
         : rest_(std::move(rest))
         , evaluate_(std::move(evaluate)) {}
 
@@ -149,7 +121,7 @@ public:
 
 private:
     std::vector<Point> rest_;
-    Evaluate evaluate_;
+    EvaluateCage evaluate_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -17,7 +17,7 @@ inline double determinant(const LinearMap<double, 3>& m) noexcept {
            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
 }
 
-/// Returns the inverse of a symmetric positive definite matrix.
+/// Returns the inverse of a regular matrix.
 inline LinearMap<double, 2> inverse(const LinearMap<double, 2>& m) noexcept {
     const double over = 1 / determinant(m);
     return {{{over * m.at[1][1], -over * m.at[0][1]}, {-over * m.at[1][0], over * m.at[0][0]}}};
