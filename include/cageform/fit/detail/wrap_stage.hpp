@@ -15,6 +15,7 @@
 // once for each λ. Iterations alternate matches and rotations with a solve, and are accelerated (Anderson).
 #pragma once
 
+#include <cageform/fit/detail/fold_guard.hpp>
 #include <cageform/fit/detail/wrap_matches.hpp>
 #include <cageform/pose/detail/anderson.hpp>
 
@@ -45,6 +46,8 @@ public:
         , basis_(basis)
         , options_(options)
         , running_(running)
+        , guard_(scene, basis, options.floor, running)
+        , sample_rows_(guard_.sample_rows())
         , data_(basis.matrix({}))
         , rigid_(data_)
         , sum_(data_) {}
@@ -70,7 +73,7 @@ public:
                 running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size()));
             Status status = solve({list[n], data, *matches, pose, step, running});
             step.residual = matches->rms();
-            if (status == Status::ok) status = guard(good, pose, step);
+            if (status == Status::ok) status = guard_.apply(unknowns_, good, pose, step);
             if (status != Status::ok) {
                 pose = good;
                 return status;
@@ -98,19 +101,12 @@ public:
 
     /// Applies the pose to all points of the scene, and its Jacobian to theirs.
     Status finish(const std::vector<Point>& pose) {
-        std::size_t first = 0; // of the points in check_rows_
         for (MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers, &scene_.marks}) {
             std::vector<LinearMap<double, 3>> jacobians;
-            if (points == &scene_.samples && sample_rows_.size() > 0) {
-                add_jacobians(sample_rows_, {0, points->size()}, pose, jacobians);
-            } else if (points != &scene_.marks && check_rows_.size() > 0) {
-                add_jacobians(check_rows_, {first, first + points->size()}, pose, jacobians);
-                first += points->size();
-            } else if (const Status status = jacobians_of(*points, pose, jacobians); status != Status::ok) {
-                return status;
-            }
             Rows rows;
-            if (const Status status = basis_.weights(points->now, rows); status != Status::ok) return status;
+            Status status = guard_.add_jacobians(*points, pose, jacobians);
+            if (status == Status::ok) status = basis_.weights(points->now, rows);
+            if (status != Status::ok) return status;
             for (std::size_t i = 0; i < points->size(); ++i) points->now[i] = rows.product(i, pose);
             points->jacobians = std::move(jacobians);
         }
@@ -130,11 +126,11 @@ private:
         Status status = basis_.weights(scene_.source.now, vertex_rows_);
         if (status == Status::ok) status = basis_.weights(guarded, guard_rows_);
         if (status == Status::ok) status = basis_.weights(scene_.marks.now, mark_rows_);
-        if (status == Status::ok)
-            status = basis_.gradients(scene_.samples.now, scene_.samples.jacobians, sample_rows_);
+        if (status == Status::ok) status = guard_.evaluate_samples();
         if (status != Status::ok) return status;
         is_unknown_.assign(basis_.size(), 0);
-        for (const Rows* rows : {&vertex_rows_, &guard_rows_, &mark_rows_, &sample_rows_}) {
+        for (const Rows* rows : {&std::as_const(vertex_rows_), &std::as_const(guard_rows_),
+                                 &std::as_const(mark_rows_), &sample_rows_}) {
             for (std::size_t n = 0; n < rows->size(); ++n)
                 rows->for_each(n, [&](std::size_t i, double /*w*/) { is_unknown_[i] = 1; });
         }
@@ -215,8 +211,7 @@ private:
             if (!factors_.factor(sum_)) return Status::pose_not_determined;
             if (!iterate(task, proximity)) return Status::cancelled;
             bool is_low = false;
-            std::vector<double> least;
-            add_least_stretches(sample_rows_, task.pose, least);
+            const auto least = guard_.stretches_of_samples(task.pose);
             for (std::size_t s = 0; s < least.size(); ++s) {
                 if (!(least[s] < options_.floor)) continue;
                 is_low = true;
@@ -334,128 +329,14 @@ private:
         }
     }
 
-    static LinearMap<double, 3> jacobian_of(const Rows& rows, std::size_t n,
-                                            const std::vector<Point>& pose) noexcept {
-        LinearMap<double, 3> j;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const Point column = rows.product(3 * n + c, pose);
-            for (std::size_t r = 0; r < 3; ++r) j.at[r][c] = column[r];
-        }
-        return j;
-    }
-    static void add_jacobians(const Rows& rows, const std::array<std::size_t, 2>& range,
-                              const std::vector<Point>& pose, std::vector<LinearMap<double, 3>>& jacobians) {
-        for (std::size_t n = range[0]; n < range[1]; ++n) jacobians.push_back(jacobian_of(rows, n, pose));
-    }
-    /// Adds the least singular values of the Jacobians, negative where the map folds.
-    void add_least_stretches(const Rows& rows, const std::vector<Point>& pose,
-                             std::vector<double>& least) const {
-        const std::size_t first = least.size(), count = rows.size() / 3;
-        least.resize(first + count);
-        in_parallel(running_, count, 256, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t n = begin; n < end; ++n) {
-                const auto j = jacobian_of(rows, n, pose);
-                least[first + n] = std::copysign(std::sqrt(squared_stretches(j)[0]), determinant(j));
-            }
-        });
-    }
-    /// Returns the least singular values at the places of the fold guard.
-    std::vector<double> stretches_of_places(const std::vector<Point>& pose) const {
-        std::vector<double> least;
-        add_least_stretches(sample_rows_, pose, least);
-        add_least_stretches(check_rows_, pose, least);
-        return least;
-    }
-    Status jacobians_of(const MovedPoints& points, const std::vector<Point>& pose,
-                        std::vector<LinearMap<double, 3>>& jacobians) const {
-        constexpr std::size_t batch = 1024;
-        for (std::size_t first = 0; first < points.size(); first += batch) {
-            const std::size_t count = (std::min)(batch, points.size() - first);
-            const auto before = points.jacobians.empty() ? std::span<const LinearMap<double, 3>>{}
-                                                         : std::span(points.jacobians).subspan(first, count);
-            Rows rows;
-            const Status status = basis_.gradients(std::span(points.now).subspan(first, count), before, rows);
-            if (status != Status::ok) return status;
-            add_jacobians(rows, {0, count}, pose, jacobians);
-        }
-        return Status::ok;
-    }
-
-    /// Moves the handles near places whose least singular value is below the floor back towards their last
-    /// good positions, without a new solve.
-    ///
-    ///   good  the pose before the step, which the places keep to at least half of their stretches
-    Status guard(const std::vector<Point>& good, std::vector<Point>& pose, WrapReport::Step& step) {
-        constexpr int rounds = 80;
-        constexpr double back = 0.3;
-        if (check_rows_.size() == 0) {
-            std::vector<Point> places;
-            std::vector<LinearMap<double, 3>> before;
-            for (const MovedPoints* points : {&scene_.source, &scene_.followers}) {
-                places.insert(places.end(), points->now.begin(), points->now.end());
-                before.insert(before.end(), points->jacobians.begin(), points->jacobians.end());
-            }
-            const Status status = basis_.gradients(places, before, check_rows_);
-            if (status != Status::ok) return status;
-        }
-        std::vector<double> least = stretches_of_places(pose);
-        const auto is_low = [&](std::size_t n) { return least[n] < options_.floor; };
-        std::vector<std::size_t> numbers(least.size());
-        std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-        if (std::none_of(numbers.begin(), numbers.end(), is_low)) return Status::ok;
-
-        std::vector<double> limits = stretches_of_places(good);
-        for (double& limit : limits)
-            limit = limit >= options_.floor
-                        ? options_.floor
-                        : (limit > 0 ? 0.5 * limit : -std::numeric_limits<double>::infinity());
-        std::vector<Point> places;
-        for (const MovedPoints* points : {&scene_.samples, &scene_.source, &scene_.followers})
-            places.insert(places.end(), points->now.begin(), points->now.end());
-        Rows weights;
-        const Status status = basis_.weights(places, weights);
-        if (status != Status::ok) return status;
-        std::vector<double> kept(basis_.size(), 1), pulled(basis_.size());
-        const std::vector<Point> wanted = pose;
-        for (int round = 0;; ++round) {
-            std::size_t low = 0;
-            std::fill(pulled.begin(), pulled.end(), 0);
-            for (std::size_t n = 0; n < least.size(); ++n) {
-                if (!(least[n] < limits[n])) continue;
-                ++low;
-                double largest = 0;
-                weights.for_each(
-                    n, [&](std::size_t /*i*/, double w) { largest = (std::max)(largest, std::fabs(w)); });
-                weights.for_each(n, [&](std::size_t i, double w) {
-                    if (largest > 0) pulled[i] = (std::max)(pulled[i], std::fabs(w) / largest);
-                });
-            }
-            if (round == 0) step.held = low;
-            if (low == 0) break;
-            if (round == rounds) {
-                std::fill(kept.begin(), kept.end(), 0);
-                pose = good;
-                break;
-            }
-            for (const std::uint32_t i : unknowns_) {
-                kept[i] *= 1 - back * std::cbrt(pulled[i]);
-                pose[i] = good[i] + kept[i] * (wanted[i] - good[i]);
-            }
-            least = stretches_of_places(pose);
-        }
-        step.kept = 0;
-        for (const std::uint32_t i : unknowns_) step.kept += kept[i] / double(unknowns_.size());
-        return Status::ok;
-    }
-
     WrapScene& scene_;
     const Basis& basis_;
     const WrapStageOptions& options_;
     const Running& running_;
     std::vector<std::uint32_t> matched_; ///< vertices of the source that are matched
-    Rows vertex_rows_, guard_rows_, mark_rows_, sample_rows_;
-    /// Derivatives at vertices of the source and at followers: with the samples, the places of the fold guard.
-    Rows check_rows_;
+    Rows vertex_rows_, guard_rows_, mark_rows_;
+    FoldGuard<Basis> guard_;
+    const Rows& sample_rows_;             ///< derivatives
     std::vector<char> is_unknown_;        ///< #handles
     std::vector<std::uint32_t> unknowns_; ///< handles with a row
     std::vector<double> rigidity_;        ///< #samples times the weights a
