@@ -50,9 +50,11 @@ public:
         report_.alignment = frame.first.transform();
         if (!(frame.height > 0) || !is_finite(frame.first.scale) || !is_finite(frame.first.shift))
             return Status::figure_has_no_size;
-        Status status = set_scene(frame, running.subtask(0, 0.1));
-        if (status != Status::ok) return status;
         std::vector<WrapOptions::Stage> stages = wrap_stages(options_, cage_ != nullptr);
+        const bool has_lattice =
+            std::any_of(stages.begin(), stages.end(), [](const auto& stage) { return stage.cells > 0; });
+        Status status = set_scene(frame, has_lattice ? 1.0 / 50 : 1.0 / 35, running.subtask(0, 0.1));
+        if (status != Status::ok) return status;
         if (!leave_out_large(stages)) return Status::too_many_handles;
         for (std::size_t n = 0; n < stages.size() && status == Status::ok; ++n) {
             const double from = 0.1 + 0.85 * double(n) / double(stages.size()),
@@ -161,7 +163,8 @@ private:
         }
         return Status::ok;
     }
-    Status set_scene(const WrapFrame& frame, const Running& running) {
+    ///   spacing  of the samples at first; they become fewer if there are more than the options allow
+    Status set_scene(const WrapFrame& frame, double spacing, const Running& running) {
         constexpr double least_noise = 1e-3;
         Status status = set_points(frame);
         if (status != Status::ok) return status;
@@ -172,7 +175,6 @@ private:
         choose_back_places(scene_, target_.faces());
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
         GridSamples samples;
-        double spacing = cage_ != nullptr ? 1.0 / 35 : 1.0 / 50;
         scene_.shell = 2 * spacing;
         status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
         while (status == Status::ok && samples.places.size() > options_.samples) {

@@ -48,8 +48,8 @@ struct WrapOptions {
     /// about twice the time. Has no effect with a cage.
     bool refine_contacts = false;
     std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
-    /// The largest number of samples of space. The grid has a spacing of 1/50 of the height (with a
-    /// cage 1/35), or more.
+    /// The largest number of samples of space. The grid has a spacing of 1/50 of the height (for a
+    /// cage alone 1/35), or more.
     std::size_t samples = 16000;
     /// The largest number of unknown handles of a lattice. Stages with more are left out; at least one must
     /// remain. Compact figures, such as heads, have many handles.
