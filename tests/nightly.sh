@@ -19,6 +19,7 @@ campaign sh tests/icons/cages.sh
 campaign sh tests/icons/frames.sh
 campaign sh cmake/install_packages.sh chromium inkscape
 campaign /usr/bin/python3 -B tests/drawings/run.py build/examples --inkscape
+campaign /usr/bin/python3 tests/examples/affine.py build/examples 9 200
 campaign /usr/bin/python3 tests/mutants/run.py
 [ -z "$failed" ] && exit 0
 echo "Failed:$failed"

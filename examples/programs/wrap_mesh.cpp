@@ -36,7 +36,19 @@ struct Arguments {
 constexpr const char* pairs_format =
     "--follow IN:OUT and --morph IN:OUT may be given several times. A follower is a mesh in\n"
     "the place and size of the source, or a CSV file of points. A morph is the source with\n"
-    "its vertices moved, such as a smile. Morph targets of glTF files follow by themselves.\n";
+    "its vertices moved, such as a smile. Morph targets of glTF files follow by themselves.\n"
+    "\n"
+    "Percentages are relative to the target's height: its extent along the longest principal\n"
+    "axis of the source.\n"
+    "\n"
+    "--report prints a row for each step of the search:\n"
+    "  basis        the cage, or the cells of a lattice along the height\n"
+    "  handles      points of the cage or lattice that move\n"
+    "  stiffness    weight of the rigidity\n"
+    "  rms          how far the matches pull the source after the step\n"
+    "  held places  places that are held back, so that space does not fold\n"
+    "  kept         mean share of the step that the handles took\n"
+    "stretch is the least and the largest change of a length.\n";
 
 /// Reads a figure that needs a surface.
 MeshFile read_surface(const std::string& path, bool is_strict) {
@@ -209,5 +221,7 @@ int run_program(int argc, char** argv) {
                     landmarks_format + "\n" + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.choice.fault());
+    if (given.choice.push_out && given.follow.empty())
+        throw Failure("--push-out is for --follow: give a follower too");
     return wrap_figures(given, read_inputs(given));
 }

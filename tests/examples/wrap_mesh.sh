@@ -96,6 +96,16 @@ works "a target that lies" "$wrap" body.obj lying.obj -o off.obj --lattice 6
 grep -q 'warning: .*do both have the same up and front' log && ok=yes || ok=no
 report $ok "the bad fit is told"
 
+awk 'BEGIN { for (n = 0; n < 144; ++n) { i = n % 12; j = int(n / 12); print "v", i, 2 * j, 0.1 * i * j
+  if (i < 11 && j < 11) faces = faces "f " n + 1 " " n + 2 " " n + 14 "\nf " n + 1 " " n + 14 " " n + 13 "\n" } printf "%s", faces }' >open.obj
+works "an open figure on itself" "$wrap" open.obj open.obj -o off.obj --lattice 6
+grep -q warning log && ok=no || ok=yes
+report $ok "its rim is no fault"
+awk '$1 == "v" { print "v", $2 + 9, $3, $4; next } { print }' target.obj >away.obj
+works "a target elsewhere, without an alignment" "$wrap" body.obj away.obj -o off.obj --lattice 6 --no-align
+grep -q 'warning: .*leave out --no-align' log && ok=yes || ok=no
+report $ok "the remedy is named"
+
 # ---- wrong input ----
 to="body.obj target.obj -o out.obj"
 : >empty.obj
@@ -128,4 +138,10 @@ refuses '--coordinates is for --cage' "$wrap" $to --coordinates harmonic
 refuses '--lattice 0 is for --cage' "$wrap" $to --lattice 0
 refuses '--other-pose needs landmarks' "$wrap" $to --other-pose
 refuses '--push-out' "$wrap" $to --push-out 5m
+refuses '"0.05" is not a percentage' "$wrap" $to --follow sleeve.obj:out.sleeve.obj --push-out 0.05
+refuses '--push-out is for --follow' "$wrap" $to --push-out 0.05%
+refuses '--follow out.ply: the figure sleeve.obj is written as .obj' "$wrap" $to --follow sleeve.obj:out.ply
+refuses 'landmark 2 (--landmark "3:1e12,0,0"): too far' "$wrap" $to --landmark 0:0 --landmark 3:1e12,0,0
+awk '$1 == "v" { print "v", 30 * $2, 30 * $3, 30 * $4; next } { print }' body.obj >giant.obj
+refuses 'giant.obj: is far larger than target.obj: leave out --no-align' "$wrap" giant.obj target.obj -o out.obj --no-align
 cd ..

@@ -30,7 +30,7 @@ Follower Follower::read(const std::string& word, bool is_strict) {
     fail_if(parse_file_pair(word, made.name_, made.out_));
     if (is_mesh_path(made.name_)) {
         made.mesh_ = load_mesh_figure(made.name_, is_strict);
-        fail_if(fault_of_extension(made.mesh_, made.out_));
+        fail_if(fault_of_extension(made.mesh_, made.out_, "--follow"));
     } else if (lowercase_extension(made.name_) == ".csv") {
         made.table_ = value_or_fail(load_point_table(made.name_));
         if (lowercase_extension(made.out_) != ".csv")
@@ -115,7 +115,7 @@ MorphFile MorphFile::read(const std::string& word, const MeshFile& source, bool 
     fail_if(parse_file_pair(word, in, made.out_));
     made.mesh_ = load_mesh_figure(in, is_strict);
     fail_if(fault_of_frame(source, made.mesh_));
-    fail_if(fault_of_extension(made.mesh_, made.out_));
+    fail_if(fault_of_extension(made.mesh_, made.out_, "--morph"));
     return made;
 }
 

@@ -32,6 +32,11 @@ inline constexpr const char* landmarks_format =
 struct Landmarks {
     std::vector<cageform::Landmark> marks;
     std::vector<std::string> names; ///< #marks
+
+    /// "landmark 4 (pairs.csv:4)" for n = 3.
+    std::string name(std::size_t n) const {
+        return "landmark " + std::to_string(n + 1) + " (" + names[n] + ')';
+    }
 };
 
 /// The vertices that landmarks may name.

@@ -30,6 +30,11 @@ using cageform::Status;
         faults.cage = map.coordinates->cage_report();
         throw Failure(describe_mesh_faults(map.cage.name, faults));
     }
+    if (report.status == Status::too_many_handles)
+        throw Failure(figures.source.name + ": is far larger than " + figures.target.name +
+                      (map.keeps_place ? ": leave out --no-align" : ", or a landmark is far away"));
+    if (report.status == Status::value_not_finite && report.culprit < figures.landmarks.names.size())
+        throw Failure(figures.landmarks.name(report.culprit) + ": too far from the figures");
     const MeshFile& file = report.of_target ? figures.target : figures.source;
     const WeldedMesh& mesh = report.of_target ? figures.target_surface : figures.source_surface;
     const bool is_vertex = report.status == Status::figure_not_finite && report.culprit < mesh.first.size();
@@ -117,8 +122,11 @@ std::string WrapMap::saved_pose() const {
 
 void WrapChoice::add_options(CommandLine& line) {
     const auto share_fault = [](const std::string& word) {
-        double ignored = 0;
-        return parse_share(word, ignored);
+        constexpr double most = 0.1;
+        double share = 0;
+        const std::string why = parse_share(word, share);
+        if (!why.empty() || (share <= most && word.ends_with('%'))) return why;
+        return detail::quoted(word) + " is not a percentage of the height up to 10%, such as 0.05%";
     };
     line.add_text(
             "--push-out", [this](const std::string& word) { (void)parse_share(word, push_out.emplace()); },
@@ -139,14 +147,14 @@ void WrapChoice::add_options(CommandLine& line) {
                 names_finest = true;
                 (void)detail::parse_whole(word, finest);
             },
-            "the cells of the finest lattice along the target's height: 6, 12, 24, 48 or 96; with --cage, "
+            "the cells of the finest lattice along the target's height: 6, 12 or 24; with --cage, "
             "the lattice follows the cage, and 0 uses none")
-        .one_of({"0", "6", "12", "24", "48", "96"})
+        .one_of({"0", "6", "12", "24"})
         .show_default("24; with --cage 0");
     line.add_flag("--stiff", is_stiff, "bend less: for scans whose noise is correlated");
     line.add_flag("--refine-contacts", refines_contacts,
                   "halve the cells of the finest lattice where the source is not on the target, as at thighs "
-                  "that touch; takes about twice the time");
+                  "that touch; may take twice the time");
     line.add_flag("--no-align", keeps_place,
                   "the source already lies on the target: do not scale and shift it first");
     line.add_flag("--other-pose", other_pose,
@@ -186,6 +194,7 @@ WrapMap WrapChoice::solve(const WrapFigures& figures) const {
     options.residual = residual;
 
     WrapMap map;
+    map.keeps_place = keeps_place;
     if (!cage.empty()) {
         map.cage = load_or_make_cage(cage, figures.enclosed);
         map.coordinates = make_coordinates<double>(coordinates, map.cage);

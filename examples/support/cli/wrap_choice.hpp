@@ -44,6 +44,7 @@ struct WrapMap {
     cageform::WrapReport report;
     MeshFile cage;                                           ///< without a cage: empty
     std::optional<ChosenCoordinates<double, 3>> coordinates; ///< of the cage
+    bool keeps_place = false;                                ///< --no-align
 
     /// Moves points of the source. Fails with the name of their file.
     ///

@@ -72,11 +72,6 @@ std::string end_of(cageform::WrapReport::End ended) {
     return {};
 }
 
-/// "landmark 4 (pairs.csv:4)".
-std::string name_of(const Landmarks& landmarks, std::size_t n) {
-    return "landmark " + std::to_string(n + 1) + " (" + landmarks.names[n] + ')';
-}
-
 bool has_miss(const cageform::WrapReport& report, const Landmarks& landmarks) {
     return report.missed < landmarks.names.size();
 }
@@ -109,8 +104,7 @@ std::string describe(const WrapMap& map, const WrapFigures& figures) {
         text += "faces of the target without area: " + std::to_string(report.skipped_faces) + '\n';
     if (has_miss(report, figures.landmarks))
         text += "landmarks: " + std::to_string(figures.landmarks.marks.size()) + ", largest miss " +
-                percent_of(report.miss) + " at " + printable(name_of(figures.landmarks, report.missed)) +
-                '\n';
+                percent_of(report.miss) + " at " + printable(figures.landmarks.name(report.missed)) + '\n';
     return text +
            "folds: " + folded(" vertices, ", report.folded_vertices, figures.source_surface.places.size()) +
            folded(" points that follow, ", report.folded_followers, figures.follow.size()) +
@@ -124,34 +118,45 @@ std::vector<std::string> warnings_of(const WrapMap& map, const WrapFigures& figu
     constexpr double many = 0.1, far_off = 0.01;
     const auto& report = map.report;
     std::vector<std::string> warnings;
-    const auto unmatched = percent_of(report.unmatched_source) + " of " + figures.source.name + " and " +
-                           percent_of(report.unmatched_target) + " of " + figures.target.name;
-    const char* const remedy =
-        ": do both have the same up and front, and the same pose? Landmarks align them (--landmark)";
+    std::string unmatched;
+    for (const bool of_target : {false, true}) {
+        const double share = of_target ? report.unmatched_target : report.unmatched_source;
+        if (share > 0)
+            unmatched += (unmatched.empty() ? "" : " and ") + percent_of(share) + " of " +
+                         (of_target ? figures.target : figures.source).name;
+    }
+    const std::string remedy =
+        map.keeps_place
+            ? ": leave out --no-align, or move the source onto the target first"
+            : ": do both have the same up and front, and the same pose? Landmarks align them (--landmark)";
     if (report.status == cageform::Status::fit_not_reached)
         warnings.push_back(std::string(cageform::to_string(report.status)) + "; " + unmatched + " have none" +
                            remedy);
     else if (report.to_target.mean > far_off)
         warnings.push_back(figures.source.name + " is " + percent_of(report.to_target.mean) +
                            " of the target's height from the target in the mean" + remedy);
-    else if (report.unmatched_source > many || report.unmatched_target > many)
+    else if ((report.unmatched_source > many && report.to_target.upper > far_off) ||
+             (report.unmatched_target > many && report.to_source.upper > far_off))
         warnings.push_back("no match was found for " + unmatched +
                            ": these parts may be missing in the other figure, or need landmarks");
+    if (report.to_target.mean > 0 && report.to_target.mean == report.start.mean)
+        warnings.push_back(figures.source.name +
+                           " is only scaled and shifted: the search found nothing closer");
     if (report.left_out > 0)
         warnings.push_back("lattices with " + std::to_string(report.left_out) +
                            " or more cells along the height are left out: they need more than " +
                            std::to_string(cageform::WrapOptions{}.handles) + " handles");
     if (report.far_followers > 0)
-        warnings.push_back(std::to_string(report.far_followers) +
-                           " points that follow are farther from the source than its height: nothing "
-                           "limits how far they move");
+        warnings.push_back(
+            "farther from the source than its height: " + std::to_string(report.far_followers) + " of " +
+            std::to_string(figures.follow.size()) + " points that follow; nothing limits how far they move");
     const std::size_t folds = report.folded_vertices + report.folded_followers + report.folded_samples;
     if (folds > 0)
         warnings.push_back("the map folds space at " + std::to_string(report.folded_vertices) +
                            " vertices, " + std::to_string(report.folded_followers) + " points that follow, " +
                            std::to_string(report.folded_samples) + " samples");
     if (has_miss(report, figures.landmarks) && report.miss > far_off)
-        warnings.push_back(name_of(figures.landmarks, report.missed) + " is missed by " +
+        warnings.push_back(figures.landmarks.name(report.missed) + " is missed by " +
                            percent_of(report.miss) +
                            " of the target's height: it may contradict other landmarks or the surfaces");
     return warnings;

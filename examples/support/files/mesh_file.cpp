@@ -223,10 +223,10 @@ std::vector<std::string> extensions_of(const MeshFile& mesh) {
     return {detail::is_medit(mesh.text) ? ".mesh" : ".obj"};
 }
 
-std::string fault_of_extension(const MeshFile& mesh, const std::string& out) {
+std::string fault_of_extension(const MeshFile& mesh, const std::string& out, const std::string& option) {
     const auto own = extensions_of(mesh);
     if (std::find(own.begin(), own.end(), lowercase_extension(out)) != own.end()) return {};
-    return "-o " + out + ": the figure " + mesh.name + " is written as " + own[0] +
+    return option + ' ' + out + ": the figure " + mesh.name + " is written as " + own[0] +
            (own.size() > 1 ? " or " + own[1] : "") + ", since the output has the format of the figure";
 }
 

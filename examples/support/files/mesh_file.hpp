@@ -205,7 +205,10 @@ Expected<MeshFile> load_mesh(const std::filesystem::path& path, StrayVertices st
 std::vector<std::string> extensions_of(const MeshFile& mesh);
 
 /// The error if the extension of an output is not one of the mesh's format; else empty.
-std::string fault_of_extension(const MeshFile& mesh, const std::string& out);
+///
+///   option  that names the output
+std::string fault_of_extension(const MeshFile& mesh, const std::string& out,
+                               const std::string& option = "-o");
 
 /// The error if with_faces_reversed() does not support the mesh's format; else empty.
 std::string fault_of_reversing(const MeshFile& mesh);

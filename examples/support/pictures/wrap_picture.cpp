@@ -1,5 +1,6 @@
 #include "pictures/wrap_picture.hpp"
 
+#include "io/csv.hpp"
 #include "pictures/camera.hpp"
 
 #include <algorithm>
@@ -50,14 +51,20 @@ Dressed dressed_target(const WrapScene& scene) {
     Dressed dressed;
     dressed.add(scene.target.vertices, scene.target.triangles, pale);
     const double size = cageform::bounds_of(scene.target.vertices).diagonal();
+    const auto box =
+        cageform::bounds_of(scene.target.vertices).widened(size); // one far point empties no picture
     for (std::size_t n = 0; n < scene.followers.size(); ++n) {
         const WrapFollower& follower = scene.followers[n];
         const Colour& paint = paints[n % paints.size()];
-        dressed.add(follower.places, follower.triangles, paint);
+        std::vector<Point3> places(follower.places.begin(), follower.places.end());
+        for (Point3& p : places) {
+            for (std::size_t k = 0; k < 3; ++k) p[k] = std::clamp(p[k], box.lower[k], box.upper[k]);
+        }
+        dressed.add(places, follower.triangles, paint);
         for (const auto& [from, to] : follower.segments)
-            dressed.lines.push_back({{follower.places[from], follower.places[to]}, 3, paint, true});
+            dressed.lines.push_back({{places[from], places[to]}, 3, paint, true});
         if (follower.triangles.empty() && follower.segments.empty())
-            add_crosses(follower.places, 0.008 * size, paint, dressed);
+            add_crosses(places, 0.008 * size, paint, dressed);
     }
     return dressed;
 }
@@ -83,13 +90,16 @@ Picture draw_wrap(const WrapScene& scene, const ViewAngles& sight) {
     MeshView coloured = scene.wrapped;
     coloured.colours = heats;
     std::vector<MeshScene> scenes{{scene.target, {}}, {scene.wrapped, {}}};
-    std::vector<std::string> names{"source", "target", "wrapped source"};
+    std::vector<std::string> names{"source (own scale)", "target", "wrapped source"};
     if (!scene.followers.empty()) {
         scenes.push_back({{dressed.vertices, dressed.triangles, dressed.colours}, {}, dressed.lines, {}});
         names.emplace_back("followers on the target");
     }
     scenes.push_back({coloured, {}});
-    names.emplace_back("distance, % of height");
+    const bool exceeds = std::any_of(scene.distances.begin(), scene.distances.end(),
+                                     [&](double distance) { return distance > scene.most; });
+    names.push_back("distance, %" +
+                    (exceeds ? " (darkest: over " + detail::short_number(scene.most) + ')' : ""));
     const MeshScene source{scene.source, {}};
 
     const std::size_t parts = 1 + scenes.size();

@@ -41,7 +41,7 @@ namespace cageform::inline CAGEFORM_ABI {
     /* enclose/: make_cage */                                                                     \
     X(figure_empty, "the figure has no points, or no faces")                                      \
     X(figure_not_finite, "a coordinate of the figure is not a finite number, or too large")       \
-    X(figure_has_no_size, "the figure is a single point")                                         \
+    X(figure_has_no_size, "the figure has no extent, or no area")                                 \
     X(margin_not_positive, "the margin of a cage is not a positive number")                       \
     X(margin_too_small, "the margin is too small for the largest grid")                           \
     X(too_few_cage_vertices, "the vertex limit is too small for a cage")                          \

@@ -51,9 +51,14 @@ public:
         if (!(frame.height > 0) || !is_finite(frame.first.scale) || !is_finite(frame.first.shift))
             return Status::figure_has_no_size;
         std::vector<WrapOptions::Stage> stages = wrap_stages(options_, cage_ != nullptr);
+        Status status = set_points(frame);
+        if (status == Status::ok && cage_ == nullptr && !stages.empty() &&
+            is_too_large(bounds_of(std::span<const Point>(scene_.source.rest)), stages.front().cells))
+            status = Status::too_many_handles;
+        if (status != Status::ok) return status;
         const bool has_lattice =
             std::any_of(stages.begin(), stages.end(), [](const auto& stage) { return stage.cells > 0; });
-        Status status = set_scene(frame, has_lattice ? 1.0 / 50 : 1.0 / 35, running.subtask(0, 0.1));
+        status = set_scene(frame, has_lattice ? 1.0 / 50 : 1.0 / 35, running.subtask(0, 0.1));
         if (status != Status::ok) return status;
         if (!leave_out_large(stages)) return Status::too_many_handles;
         for (std::size_t n = 0; n < stages.size() && status == Status::ok; ++n) {
@@ -166,8 +171,6 @@ private:
     ///   spacing  of the samples at first; they become fewer if there are more than the options allow
     Status set_scene(const WrapFrame& frame, double spacing, const Running& running) {
         constexpr double least_noise = 1e-3;
-        Status status = set_points(frame);
-        if (status != Status::ok) return status;
         std::vector<Point> target;
         for (const Point& p : target_.vertices()) target.push_back(frame.unit(p));
         scene_.target = ClosestPlaces(target, target_.faces());
@@ -176,7 +179,7 @@ private:
         const ClosestPlaces source(scene_.source.rest, scene_.source_faces);
         GridSamples samples;
         scene_.shell = 2 * spacing;
-        status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
+        Status status = sample_shell(scene_, source, spacing, running.subtask(0, 0.5), samples);
         while (status == Status::ok && samples.places.size() > options_.samples) {
             spacing *= (std::max)(1.01, std::cbrt(double(samples.places.size()) / double(options_.samples)));
             samples = {};
@@ -248,18 +251,23 @@ private:
         const auto box = lattice_box();
         const bool begins_with_lattice = !stages.empty() && stages.front().cells > 0;
         std::erase_if(stages, [&](const WrapOptions::Stage& stage) {
-            if (stage.cells == 0 || lattice_handles(box, stage.cells) <= options_.handles) return false;
+            if (stage.cells == 0) return false;
+            if (!is_too_large(box, stage.cells) && lattice_handles(box, stage.cells) <= options_.handles)
+                return false;
             if (report_.left_out == 0) report_.left_out = stage.cells;
             return true;
         });
         return !(begins_with_lattice && stages.empty());
     }
-    /// Returns the number of handles near samples; the largest number for a lattice far beyond the limit.
-    std::size_t lattice_handles(const Bounds<double, 3>& box, unsigned cells) const {
+    /// Whether a lattice is too large to count its handles near samples.
+    bool is_too_large(const Bounds<double, 3>& box, unsigned cells) const noexcept {
         constexpr double most_per_used = 64; // figures oblique to their box use a small part of it
         double all = 1;
         for (std::size_t k = 0; k < 3; ++k) all *= (box.upper[k] - box.lower[k]) * cells + 5;
-        if (all > most_per_used * double(options_.handles)) return ~std::size_t{0};
+        return all > most_per_used * double(options_.handles);
+    }
+    /// Returns the number of handles near samples.
+    std::size_t lattice_handles(const Bounds<double, 3>& box, unsigned cells) const {
         const WrapLattice lattice(box, 1.0 / cells);
         LatticeRows rows;
         (void)lattice.weights(scene_.samples.now, rows);
