@@ -8,28 +8,9 @@
 #include <cageform/fit/detail/wrap_cage.hpp>
 #include <cageform/fit/detail/wrap_frame.hpp>
 #include <cageform/fit/detail/wrap_stage.hpp>
+#include <cageform/fit/detail/wrap_stages.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// Returns the stages of the options; the cage first if there is one.
-inline std::vector<WrapOptions::Stage> wrap_stages(const WrapOptions& options, bool has_cage) {
-    std::vector<WrapOptions::Stage> stages = options.stages;
-    if (stages.empty()) {
-        if (has_cage)
-            stages.push_back({0, {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, 0.05});
-        else
-            stages.push_back({6, {1e-2, 1e-3, 1e-4}, 0.08});
-        for (unsigned cells = 12; cells <= (std::min)(options.finest, 192u); cells *= 2) {
-            if (cells == 12) stages.push_back({cells, {1e-4, 1e-5}, 0.05});
-            if (cells == 24) stages.push_back({cells, {1e-5, 1e-6, 1e-7}, 0.03});
-            if (cells > 24) stages.push_back({cells, {1e-7}, 0.03});
-        }
-        for (WrapOptions::Stage& stage : stages)
-            std::erase_if(stage.stiffness, [&](double x) { return x < 0.99 * options.least_stiffness; });
-        while (!stages.empty() && stages.back().stiffness.empty()) stages.pop_back();
-    }
-    return stages;
-}
 
 class WrapFinder {
     using Point = Vec<double, 3>;
@@ -53,7 +34,8 @@ public:
         std::vector<WrapOptions::Stage> stages = wrap_stages(options_, cage_ != nullptr);
         Status status = set_points(frame);
         if (status == Status::ok && cage_ == nullptr && !stages.empty() &&
-            is_too_large(bounds_of(std::span<const Point>(scene_.source.rest)), stages.front().cells))
+            is_too_large(options_, stages.front().cells,
+                         bounds_of(std::span<const Point>(scene_.source.rest))))
             status = Status::too_many_handles;
         if (status != Status::ok) return status;
         const bool has_lattice =
@@ -252,19 +234,13 @@ private:
         const bool begins_with_lattice = !stages.empty() && stages.front().cells > 0;
         std::erase_if(stages, [&](const WrapOptions::Stage& stage) {
             if (stage.cells == 0) return false;
-            if (!is_too_large(box, stage.cells) && lattice_handles(box, stage.cells) <= options_.handles)
+            if (!is_too_large(options_, stage.cells, box) &&
+                lattice_handles(box, stage.cells) <= options_.handles)
                 return false;
             if (report_.left_out == 0) report_.left_out = stage.cells;
             return true;
         });
         return !(begins_with_lattice && stages.empty());
-    }
-    /// Whether a lattice is too large to count its handles near samples.
-    bool is_too_large(const Bounds<double, 3>& box, unsigned cells) const noexcept {
-        constexpr double most_per_used = 64; // figures oblique to their box use a small part of it
-        double all = 1;
-        for (std::size_t k = 0; k < 3; ++k) all *= (box.upper[k] - box.lower[k]) * cells + 5;
-        return all > most_per_used * double(options_.handles);
     }
     /// Returns the number of handles near samples.
     std::size_t lattice_handles(const Bounds<double, 3>& box, unsigned cells) const {
