@@ -101,7 +101,7 @@ awk 'BEGIN { for (n = 0; n < 144; ++n) { i = n % 12; j = int(n / 12); print "v",
 works "an open figure on itself" "$wrap" open.obj open.obj -o off.obj --lattice 6
 grep -q warning log && ok=no || ok=yes
 report $ok "its rim is no fault"
-awk '$1 == "v" { print "v", $2 + 9, $3, $4; next } { print }' target.obj >away.obj
+awk '$1 == "v" { print "v", $2 + 9000, $3, $4; next } { print }' target.obj >away.obj
 works "a target elsewhere, without an alignment" "$wrap" body.obj away.obj -o off.obj --lattice 6 --no-align
 grep -q 'warning: .*leave out --no-align' log && ok=yes || ok=no
 report $ok "the remedy is named"

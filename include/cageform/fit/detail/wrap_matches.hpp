@@ -33,10 +33,14 @@ public:
         , kappa_(normal_length)
         , returning_(returning)
         , running_(running)
-        , forward_(vertices.size())
-        , back_(scene.back_points.size(), no_vertex)
         , guard_faces_(scene.guarded.size(), no_vertex) {
         scene.target.set_normal_length(normal_length);
+        restart();
+    }
+    /// Forgets the matches, after a change of the given vertices.
+    void restart() {
+        forward_.assign(vertices_.size(), {});
+        back_.assign(scene_.back_points.size(), no_vertex);
     }
 
     /// Sets the pulls of the vertices.

@@ -56,7 +56,7 @@ public:
     /// Throws std::bad_alloc.
     Status run(std::vector<Point>& pose, WrapReport& report, WrapReport::End& ended) {
         if (const Status status = prepare(pose); status != Status::ok) return status;
-        std::optional<WrapMatches> matches;
+        WrapMatches matches(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
         std::vector<double> list = options_.stage.stiffness;
         if (options_.first_by_landmarks && !list.empty()) list.insert(list.begin(), list.front());
         for (std::size_t n = 0; n < list.size(); ++n) {
@@ -64,15 +64,15 @@ public:
             const bool matches_all = options_.is_last && n + 1 == list.size();
             if (n == 0 || matches_all) {
                 choose_matched(matches_all ? scene_.source.size() : options_.vertices);
-                matches.emplace(scene_, matched_, options_.stage.normal_length, options_.is_last, running_);
+                matches.restart();
             }
             if (n == 0 || matches_all || (options_.first_by_landmarks && n == 1)) set_data(data);
             WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
             const Running running =
                 running_.subtask(double(n) / double(list.size()), double(n + 1) / double(list.size()));
-            Status status = solve({list[n], data, *matches, pose, step, running});
-            step.residual = matches->rms();
+            Status status = solve({list[n], data, matches, pose, step, running});
+            step.residual = matches.rms();
             if (status == Status::ok) status = guard_.apply(unknowns_, good, pose, step);
             if (status != Status::ok) {
                 pose = good;
@@ -80,18 +80,18 @@ public:
             }
             move_source(pose);
             report.steps.push_back(step);
-            report.unmatched_source = matches->unmatched_source();
-            report.unmatched_target = matches->unmatched_target();
+            report.unmatched_source = matches.unmatched_source();
+            report.unmatched_target = matches.unmatched_target();
             if (step.kept < 0.5) {
                 ended = WrapReport::End::fold;
                 break;
             }
-            if (options_.noise > 0 && matches->back_residual(places_, normals_) <= options_.noise) {
+            if (options_.noise > 0 && matches.back_residual(places_, normals_) <= options_.noise) {
                 ended = WrapReport::End::noise;
                 break;
             }
             if (options_.residual > 0 && options_.is_last &&
-                matches->upper_residual(places_) < options_.residual) {
+                matches.upper_residual(places_) < options_.residual) {
                 ended = WrapReport::End::residual;
                 break;
             }
