@@ -141,7 +141,8 @@ std::vector<std::string> warnings_of(const WrapMap& map, const WrapFigures& figu
                            ": these parts may be missing in the other figure, or need landmarks");
     if (report.to_target.mean > 0 && report.to_target.mean == report.start.mean)
         warnings.push_back(figures.source.name +
-                           " is only scaled and shifted: the search found nothing closer");
+                           (map.keeps_place ? " is unchanged" : " is only scaled and shifted") +
+                           ": the search found nothing closer");
     if (report.left_out > 0)
         warnings.push_back("lattices with " + std::to_string(report.left_out) +
                            " or more cells along the height are left out: they need more than " +
