@@ -44,7 +44,7 @@ public:
         return nearest_boundary_weights(cage_, p, row, data_);
     }
 
-private:
+protected:
     using CheckedCage<Cage>::cage_;
     using CheckedCage<Cage>::report_;
 

@@ -1,0 +1,222 @@
+// Evaluation of maximum entropy coordinates.
+#pragma once
+
+#include <cageform/coordinates/entropy/facing.hpp>
+#include <cageform/coordinates/entropy/project.hpp>
+#include <cageform/coordinates/mean_value/evaluation.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <class U, std::size_t D>
+Dual<U, D> exp(const Dual<U, D>& a) noexcept {
+    const U power = exp(a.value);
+    return {power, power * a.gradient};
+}
+
+/// The base of MaximumEntropyCoordinates. Tables and boundary values are those of mean value coordinates.
+template <class Cage>
+class EntropyEvaluation : public MeanValueEvaluation<Cage> {
+    using Base = MeanValueEvaluation<Cage>;
+
+public:
+    using Base::Base;
+    using scalar = typename Cage::scalar;
+    static constexpr std::size_t dimension = Cage::dimension;
+    static constexpr bool has_extension = false;
+
+    /// See CageCoordinates.
+    Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                        std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Simd<T>>({points, weights, states}, running);
+    }
+    /// See GradientCoordinates. Derivatives on the boundary are those at a point 1e-6 diagonals inside.
+    Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
+    }
+
+private:
+    using T = scalar;
+    static constexpr std::size_t D = dimension;
+    using Base::cage_;
+
+    template <class N>
+    struct Memory {
+        WeightRows<N> rows;
+        std::vector<ValueOf<N>> prior, weights;
+
+        Memory(const typename Base::Form::Topology& topology, std::size_t points)
+            : rows(topology, points)
+            , prior(has_gradient<N> ? points : 0)
+            , weights(points) {}
+    };
+
+    template <class N>
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
+        const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
+        const bool folds = this->points() != cage_.size();
+        return evaluate_blocks(this->report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+            Memory<N> memory(this->topology_, this->points());
+            std::vector<Lanes<T>> of_points(folds ? rows / cage_.size() * this->points() : 0);
+            for (std::size_t b = begin; b < end; ++b) {
+                Lanes<T>* const own = folds ? of_points.data() : batch.rows.block(b);
+                for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
+                    evaluate_lanes(batch, b, first, own, memory);
+                if (folds) this->fold(rows / cage_.size(), own, batch.rows.block(b));
+            }
+        });
+    }
+
+    /// Computes the weights of a number at p, in units of the frame. Returns 1 in lanes that converged.
+    ///
+    ///   skipped  1 in lanes whose weights are not needed
+    template <class N, class S>
+    ValueOf<N> project(const Buffer<Vec<S, D>>& vertices, const Vec<ValueOf<N>, D>& p,
+                       const ValueOf<N>& skipped, Memory<N>& memory) const noexcept {
+        using X = ValueOf<N>;
+        const auto u = [&](std::size_t k) {
+            Vec<X, D> to;
+            for (std::size_t c = 0; c < D; ++c) to[c] = X(vertices[k][c]) - p[c];
+            return to;
+        };
+        auto& q = memory.rows.weights;
+        if constexpr (has_gradient<N>) {
+            for (std::size_t k = 0; k < q.size(); ++k) memory.prior[k] = q[k].value;
+            EntropySolver<X, D, decltype(u)> solver(memory.prior, u, memory.weights);
+            const X converged = solver.solve(skipped);
+            // One more step with derivatives: λ' = K⁻¹ ∂(Σ w u), and Σ w u = 0.
+            const auto place = [&](std::size_t k) {
+                Vec<N, D> to;
+                const Vec<X, D> value = u(k);
+                for (std::size_t c = 0; c < D; ++c) {
+                    to[c] = N(value[c]);
+                    to[c].gradient[c] = X(S(-1));
+                }
+                return to;
+            };
+            Vec<N, D> mean{}, multiplier;
+            for (std::size_t c = 0; c < D; ++c) multiplier[c] = N(solver.multiplier()[c]);
+            const X inverse = X(S(1)) / solver.sum();
+            const auto weight = [&](std::size_t k, const Vec<N, D>& to) { // w_k, with the slope of q e^(−λ·u)
+                N exponent{};
+                for (std::size_t c = 0; c < D; ++c) exponent = exponent - multiplier[c] * to[c];
+                const X value = inverse * memory.weights[k], q_value = memory.prior[k];
+                const X over = X(S(1)) / select(X(S(0)) < q_value, q_value, X(S(1)));
+                N w(value);
+                for (std::size_t c = 0; c < D; ++c)
+                    w.gradient[c] = value * (over * q[k].gradient[c] + exponent.gradient[c]);
+                return w;
+            };
+            for (std::size_t k = 0; k < q.size(); ++k) {
+                const auto to = place(k);
+                const N w = weight(k, to);
+                for (std::size_t c = 0; c < D; ++c) mean[c] = mean[c] + w * to[c];
+            }
+            const auto factors = solver.factors();
+            for (std::size_t axis = 0; axis < D; ++axis) {
+                Vec<X, D> slope;
+                for (std::size_t c = 0; c < D; ++c) slope[c] = mean[c].gradient[axis];
+                slope = factors.solve(slope);
+                for (std::size_t c = 0; c < D; ++c) multiplier[c].gradient[axis] = slope[c];
+            }
+            N sum{};
+            for (std::size_t k = 0; k < q.size(); ++k) {
+                q[k] = weight(k, place(k));
+                sum = sum + q[k];
+            }
+            for (N& w : q) w = w / sum;
+            return converged;
+        } else {
+            EntropySolver<X, D, decltype(u)> solver(q, u, memory.weights);
+            const X converged = solver.solve(skipped);
+            const X inverse = X(S(1)) / solver.sum();
+            for (X& w : memory.weights) w = w * inverse;
+            return converged;
+        }
+    }
+    template <class N>
+    static const std::vector<N>& result(const Memory<N>& memory) noexcept {
+        if constexpr (has_gradient<N>)
+            return memory.rows.weights;
+        else
+            return memory.weights;
+    }
+
+    template <class S>
+    static MeanValueLimits<S> limits_at(double near_distance) noexcept {
+        return {S(near_distance), (std::numeric_limits<float>::max)(), sizeof(S) == 4 ? S(1e-3) : S(5e-4)};
+    }
+
+    template <class N>
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Lanes<T>* rows,
+                        Memory<N>& memory) const {
+        using X = ValueOf<N>;
+        using S = ScalarOf<X>;
+        Vec<X, D> p;
+        for (std::size_t k = 0; k < D; ++k)
+            p[k] = X(S(this->scale_)) *
+                   (load_lanes<S>(batch.points.block(b)[k], first) - X(S(this->origin_[k])));
+        const double near_distance = this->scale_ * this->tolerance_;
+        const auto found = compute_facing<N, S>(for_number<N>(this->frame_, this->gradient_frame_),
+                                                limits_at<S>(near_distance), p, memory.rows);
+        // Inside, the sum is at least 2π (4π in space) over the diagonal (Hormann, Floater 2006, section 4.1).
+        const X one(S(1)), zero(S(0));
+        const X skipped = select(found.sum < one, one, found.special);
+        const X converged = project<N, S>(vertices<N>(), p, skipped, memory);
+        const auto& weights = result<N>(memory);
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            for_each_component(weights[i], i, weights.size(), S(this->scale_),
+                               [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
+        }
+        Lanes<S> specials, arrived;
+        skipped.store(specials);
+        select(zero < converged, one, zero).store(arrived);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
+            const std::size_t i = b * lane_count<T> + first + lane;
+            if (i >= batch.points.points || batch.states[i] == PointState::not_finite) continue;
+            if (specials[lane] == S(0) && arrived[lane] != S(0)) {
+                batch.states[i] = PointState::inside;
+            } else {
+                using One = std::conditional_t<has_gradient<N>, Dual<double, D>, double>;
+                batch.states[i] = evaluate_point<One>(block_point<D>(batch.points, i), rows, first + lane);
+            }
+        }
+    }
+    template <class N>
+    const auto& vertices() const noexcept {
+        return for_number<N>(positions_, gradient_positions_);
+    }
+
+    /// Evaluates one point in double. On the boundary it returns the limit.
+    template <class N>
+    PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
+        Vec<T, D> position;
+        const auto value = nearest_boundary_value(cage_, p, position);
+        const double distance = length(vec_cast<double>(position) - vec_cast<double>(p));
+        const bool on_boundary = distance <= this->tolerance_;
+        if (!on_boundary) {
+            const PointState state = locate(cage_, p, T(0));
+            if (state != PointState::inside) return state;
+        }
+        if constexpr (!has_gradient<N>) {
+            if (on_boundary) {
+                store_boundary_value(value, this->points(), rows, lane, this->data_);
+                return PointState::on_boundary;
+            }
+        }
+        Memory<N> memory(this->topology_, this->points());
+        Vec<double, D> place = this->scale_ * (vec_cast<double>(p) - vec_cast<double>(this->origin_));
+        const auto found = compute_facing<N, double>(this->gradient_frame_, limits_at<double>(0), place, memory.rows);
+        (void)found;
+        if (project<N, double>(gradient_positions_, place, 0, memory) == 0) return PointState::unreached;
+        if (!store_weights<N>(std::span<const N>(result<N>(memory)), N(1.0), this->scale_, rows, lane))
+            return PointState::unreached;
+        return on_boundary ? PointState::on_boundary : PointState::inside;
+    }
+
+    Buffer<Vec<T, D>> positions_ = this->template seen_from<T>(this->origin_, T(this->scale_));
+    Buffer<Vec<double, D>> gradient_positions_ =
+        this->template seen_from<double>(vec_cast<double>(this->origin_), this->scale_);
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

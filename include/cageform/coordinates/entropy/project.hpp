@@ -1,0 +1,186 @@
+// The row of weights nearest to a positive prior that reproduces linear functions.
+#pragma once
+
+#include <cageform/core/affine/dual.hpp>
+#include <cageform/core/detail/simd_exp.hpp>
+#include <cageform/core/detail/simd_log.hpp>
+
+#include <limits>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Whether any lane of a mask is set.
+inline bool any_of(bool mask) noexcept {
+    return mask;
+}
+template <class Mask>
+    requires requires(const Mask& mask) { any(mask); }
+bool any_of(const Mask& mask) noexcept {
+    return any(mask);
+}
+
+/// The Cholesky factors L D Lᵀ of a symmetric matrix.
+template <class X, std::size_t D>
+struct SmallFactors {
+    X lower[D][D]; ///< of L, below the diagonal
+    X inverse[D];  ///< 1/D
+
+    /// Adds `floor` to the diagonal.
+    SmallFactors(const X (&matrix)[D][D], const X& floor) noexcept {
+        using S = ScalarOf<X>;
+        for (std::size_t k = 0; k < D; ++k) {
+            X diagonal = matrix[k][k] + floor;
+            X scaled[D];
+            for (std::size_t j = 0; j < k; ++j) {
+                X entry = matrix[k][j];
+                for (std::size_t i = 0; i < j; ++i) entry = entry - scaled[i] * lower[j][i];
+                scaled[j] = entry;
+                lower[k][j] = entry * inverse[j];
+                diagonal = diagonal - scaled[j] * lower[k][j];
+            }
+            inverse[k] = X(S(1)) / (max)(diagonal, floor);
+        }
+    }
+    template <class Y>
+    Vec<Y, D> solve(Vec<Y, D> x) const noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            for (std::size_t j = 0; j < k; ++j) x[k] = x[k] - lower[k][j] * x[j];
+        }
+        for (std::size_t k = 0; k < D; ++k) x[k] = inverse[k] * x[k];
+        for (std::size_t k = D; k-- > 0;) {
+            for (std::size_t j = k + 1; j < D; ++j) x[k] = x[k] - lower[j][k] * x[j];
+        }
+        return x;
+    }
+};
+
+/// Finds the weights w_k = q_k e^(−λ·u_k) / Σ q e^(−λ·u) with Σ w u = 0: the row with Σ w = 1 and Σ w u = 0
+/// that minimises Σ w ln(w/q). They exist if 0 is inside the hull of the vectors u_k with q_k > 0. λ minimises
+/// the convex function F = ln Σ q e^(−λ·u), by Newton's method. If a step does not lower F enough, the step
+/// ln(1 + R)/R, R the extent of the vectors along the step, always does: |F'''| ≤ R F'' along it.
+///
+///   X      a scalar or a register
+///   U      u(k): the vector to handle k, a Vec<X, D>, at most a few units long
+template <class X, std::size_t D, class U>
+class EntropySolver {
+    using S = ScalarOf<X>;
+
+public:
+    static constexpr int most_passes = 60;
+
+    /// Throws nothing.
+    ///
+    ///   q        the prior, not negative; not all zero
+    ///   rows     scratch memory and result: the weights, not normalised
+    EntropySolver(std::span<const X> q, const U& u, std::span<X> rows) noexcept
+        : q_(q)
+        , u_(u)
+        , rows_(rows) {}
+
+    /// Returns 1 in lanes that converged, else 0.
+    ///
+    ///   skipped  1 in lanes that need not converge, else 0
+    X solve(const X& skipped) noexcept {
+        const X zero(S(0)), one(S(1)), tolerance(sizeof(S) == 4 ? S(1e-8) : S(1e-15));
+        constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
+        Vec<X, D> base{}, step{};
+        X least(S(0)), decrease(S(0)), is_sure(one);
+        for (passes_ = 0; passes_ < most_passes; ++passes_) {
+            evaluate();
+            const auto rises = least - X(S(0.25)) * decrease + X(rounding) * (one + abs(least)) < value_;
+            const auto is_rejected = both(rises, is_sure < X(S(0.5)));
+            if (any_of(both(is_rejected, skipped < X(S(0.5))))) {
+                const X extent = extent_along(step), shorter = log(one + extent) / extent;
+                for (std::size_t c = 0; c < D; ++c)
+                    multiplier_[c] = select(is_rejected, base[c] + shorter * step[c], multiplier_[c]);
+                is_sure = select(is_rejected, one, is_sure);
+                continue; // accepted lanes are evaluated again, with the same result
+            }
+            base = multiplier_;
+            least = value_;
+            step = SmallFactors<X, D>(hessian_, floor_).solve(mean_);
+            decrease = zero;
+            for (std::size_t c = 0; c < D; ++c) decrease = decrease + step[c] * mean_[c];
+            is_sure = zero;
+            for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
+            const X is_done = select(decrease < tolerance, one, skipped);
+            if (!any_of(is_done < X(S(0.5)))) {
+                evaluate(); // of the last step
+                return select(decrease < tolerance, one, zero);
+            }
+        }
+        return select(decrease < tolerance, one, zero);
+    }
+    int passes() const noexcept { return passes_; }
+    const Vec<X, D>& multiplier() const noexcept { return multiplier_; }
+    const X& sum() const noexcept { return sum_; } ///< of the rows
+    SmallFactors<X, D> factors() const noexcept { return {hessian_, floor_}; }
+
+private:
+    /// Computes the rows at the multiplier, their sum, F, the mean of u and the Hessian of F.
+    void evaluate() noexcept {
+        const X zero(S(0));
+        X most((std::numeric_limits<S>::lowest)());
+        for (std::size_t k = 0; k < q_.size(); ++k) {
+            const Vec<X, D> u = u_(k);
+            X exponent = zero;
+            for (std::size_t c = 0; c < D; ++c) exponent = exponent - multiplier_[c] * u[c];
+            rows_[k] = exponent;
+            most = (max)(most, select(zero < q_[k], exponent, most));
+        }
+        sum_ = zero;
+        mean_ = {};
+        for (std::size_t c = 0; c < D; ++c) mean_[c] = zero;
+        for (std::size_t k = 0; k < q_.size(); ++k) {
+            const Vec<X, D> u = u_(k);
+            rows_[k] = q_[k] * exp((min)(rows_[k] - most, zero));
+            sum_ = sum_ + rows_[k];
+            for (std::size_t c = 0; c < D; ++c) mean_[c] = mean_[c] + rows_[k] * u[c];
+        }
+        const X inverse = X(S(1)) / sum_;
+        for (std::size_t c = 0; c < D; ++c) mean_[c] = inverse * mean_[c];
+        for (auto& row : hessian_) {
+            for (X& entry : row) entry = zero;
+        }
+        for (std::size_t k = 0; k < q_.size(); ++k) {
+            Vec<X, D> u = u_(k);
+            for (std::size_t c = 0; c < D; ++c) u[c] = u[c] - mean_[c];
+            for (std::size_t r = 0; r < D; ++r) {
+                const X weighted = rows_[k] * u[r];
+                for (std::size_t c = 0; c <= r; ++c)
+                    hessian_[r][c] = hessian_[r][c] + weighted * u[c];
+            }
+        }
+        X trace = zero;
+        for (std::size_t r = 0; r < D; ++r) {
+            for (std::size_t c = 0; c <= r; ++c) hessian_[r][c] = inverse * hessian_[r][c];
+            trace = trace + hessian_[r][r];
+        }
+        constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
+        floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
+        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + most;
+    }
+    /// Returns the largest difference of d·u among handles with a positive prior.
+    X extent_along(const Vec<X, D>& d) const noexcept {
+        const X zero(S(0));
+        X low((std::numeric_limits<S>::max)()), high = -low;
+        for (std::size_t k = 0; k < q_.size(); ++k) {
+            const Vec<X, D> u = u_(k);
+            X along = zero;
+            for (std::size_t c = 0; c < D; ++c) along = along + d[c] * u[c];
+            const auto counts = zero < q_[k];
+            low = (min)(low, select(counts, along, low));
+            high = (max)(high, select(counts, along, high));
+        }
+        return high - low;
+    }
+
+    std::span<const X> q_;
+    const U& u_;
+    std::span<X> rows_;
+    Vec<X, D> multiplier_{}, mean_{};
+    X hessian_[D][D], floor_, sum_, value_;
+    int passes_ = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
