@@ -8,6 +8,7 @@
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/lattice.hpp>
+#include <cageform/coordinates/maximum_entropy.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -45,7 +46,13 @@ namespace cageform::inline CAGEFORM_ABI {
     X(curved_green, CURVED_GREEN, curves, with_normals, extended,                                            \
       "green for cages of curves, in the plane", CurvedGreenCoordinates<T>(cage, options.curved_green))      \
     X(sibson_c1, SIBSON_C1, sites, vertices, undefined,                                                      \
-      "sibson of degree 3: smooth at the points too", SibsonCoordinates<T, D>(cage, options.sibson_c1()))
+      "sibson of degree 3: smooth at the points too", SibsonCoordinates<T, D>(cage, options.sibson_c1()))               \
+    X(maximum_entropy, MAXIMUM_ENTROPY, polygon | triangles | fans, vertices, undefined,                     \
+      "weights in [0, 1], without a grid", MaximumEntropyCoordinates(cage))                                  \
+    X(mec_1, MEC_1, polygon, vertices, undefined,                                                            \
+      "maximum entropy with the first published prior", MaximumEntropyCoordinates(cage, EntropyPrior::mec1)) \
+    X(mec_2, MEC_2, polygon, vertices, undefined,                                                            \
+      "maximum entropy with the second published prior", MaximumEntropyCoordinates(cage, EntropyPrior::mec2))
 // clang-format on
 
 /// A coordinate type, chosen at run time. See `make_coordinates` in binding/make_coordinates.hpp.

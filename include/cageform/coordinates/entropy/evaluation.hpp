@@ -3,15 +3,19 @@
 
 #include <cageform/coordinates/entropy/facing.hpp>
 #include <cageform/coordinates/entropy/project.hpp>
+#include <cageform/coordinates/entropy/published.hpp>
 #include <cageform/coordinates/mean_value/evaluation.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
 
-template <class U, std::size_t D>
-Dual<U, D> exp(const Dual<U, D>& a) noexcept {
-    const U power = exp(a.value);
-    return {power, power * a.gradient};
-}
+/// The prior of MaximumEntropyCoordinates.
+enum class EntropyPrior : std::uint8_t {
+    facing, ///< mean value weights of the facets that face the point
+    mec1,   ///< plane only: 1/(ρ_(k−1) ρ_k) with ρ = |a| + |b| − |a − b| of an edge
+    mec2,   ///< plane only: with ρ = |a||b| + a·b
+};
+
+namespace detail {
 
 /// The base of MaximumEntropyCoordinates. Tables and boundary values are those of mean value coordinates.
 template <class Cage>
@@ -20,20 +24,19 @@ class EntropyEvaluation : public MeanValueEvaluation<Cage> {
 
 public:
     using Base::Base;
+    explicit EntropyEvaluation(Cage cage, EntropyPrior prior)
+        : Base(std::move(cage))
+        , prior_(prior) {}
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
     static constexpr bool has_extension = false;
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
-                        std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_numbers<Simd<T>>({points, weights, states}, running);
-    }
+                        std::span<PointState> states, const Running& running = {}) const;
     /// See GradientCoordinates. Derivatives on the boundary are those at a point 1e-6 diagonals inside.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
-                                  std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
-    }
+                                  std::span<PointState> states, const Running& running = {}) const;
 
 private:
     using T = scalar;
@@ -157,8 +160,8 @@ private:
             p[k] = X(S(this->scale_)) *
                    (load_lanes<S>(batch.points.block(b)[k], first) - X(S(this->origin_[k])));
         const double near_distance = this->scale_ * this->tolerance_;
-        const auto found = compute_facing<N, S>(for_number<N>(this->frame_, this->gradient_frame_),
-                                                limits_at<S>(near_distance), p, memory.rows);
+        const auto found = prior<N, S>(for_number<N>(this->frame_, this->gradient_frame_),
+                                       limits_at<S>(near_distance), p, memory.rows);
         // Inside, the sum is at least 2π (4π in space) over the diagonal (Hormann, Floater 2006, section 4.1).
         const X one(S(1)), zero(S(0));
         const X skipped = select(found.sum < one, one, found.special);
@@ -181,6 +184,15 @@ private:
                 batch.states[i] = evaluate_point<One>(block_point<D>(batch.points, i), rows, first + lane);
             }
         }
+    }
+    template <class N, class S, class Frame>
+    WeightSum<ValueOf<N>> prior(const Frame& frame, const MeanValueLimits<S>& limits,
+                                const Vec<ValueOf<N>, D>& p, WeightRows<N>& rows) const noexcept {
+        if constexpr (D == 2) {
+            if (prior_ != EntropyPrior::facing)
+                return compute_published<N, S>(frame, limits, p, prior_ == EntropyPrior::mec1, rows);
+        }
+        return compute_facing<N, S>(frame, limits, p, rows);
     }
     template <class N>
     const auto& vertices() const noexcept {
@@ -206,17 +218,18 @@ private:
         }
         Memory<N> memory(this->topology_, this->points());
         Vec<double, D> place = this->scale_ * (vec_cast<double>(p) - vec_cast<double>(this->origin_));
-        const auto found = compute_facing<N, double>(this->gradient_frame_, limits_at<double>(0), place, memory.rows);
-        (void)found;
+        (void)prior<N, double>(this->gradient_frame_, limits_at<double>(0), place, memory.rows);
         if (project<N, double>(gradient_positions_, place, 0, memory) == 0) return PointState::unreached;
         if (!store_weights<N>(std::span<const N>(result<N>(memory)), N(1.0), this->scale_, rows, lane))
             return PointState::unreached;
         return on_boundary ? PointState::on_boundary : PointState::inside;
     }
 
+    EntropyPrior prior_ = EntropyPrior::facing;
     Buffer<Vec<T, D>> positions_ = this->template seen_from<T>(this->origin_, T(this->scale_));
     Buffer<Vec<double, D>> gradient_positions_ =
         this->template seen_from<double>(vec_cast<double>(this->origin_), this->scale_);
 };
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace detail
+} // namespace cageform::inline CAGEFORM_ABI

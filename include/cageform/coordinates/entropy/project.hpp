@@ -147,8 +147,7 @@ private:
             for (std::size_t c = 0; c < D; ++c) u[c] = u[c] - mean_[c];
             for (std::size_t r = 0; r < D; ++r) {
                 const X weighted = rows_[k] * u[r];
-                for (std::size_t c = 0; c <= r; ++c)
-                    hessian_[r][c] = hessian_[r][c] + weighted * u[c];
+                for (std::size_t c = 0; c <= r; ++c) hessian_[r][c] = hessian_[r][c] + weighted * u[c];
             }
         }
         X trace = zero;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cageform/core/detail/number.hpp>
+#include <cageform/core/detail/simd_exp.hpp>
+#include <cageform/core/detail/simd_log.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <span>
@@ -62,6 +64,13 @@ struct Dual {
     }
     friend Dual atan(const Dual& a) noexcept {
         return {std::atan(a.value), (1 / (1 + a.value * a.value)) * a.gradient};
+    }
+    friend Dual exp(const Dual& a) noexcept {
+        const U power = detail::exp(a.value);
+        return {power, power * a.gradient};
+    }
+    friend Dual log(const Dual& a) noexcept {
+        return {detail::log(a.value), (U(1) / a.value) * a.gradient};
     }
     /// For y ≥ 0; not differentiable at (0, 0).
     friend Dual angle(const Dual& y, const Dual& x) noexcept {

@@ -27,13 +27,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> exp_reduced(const Simd<T>& r) noexcept {
                                              2.511003760596377771e-8};
         return polynomial(c, r);
     } else {
-        static constexpr std::array<T, 7> c{1,
-                                            1.000000038F,
-                                            0.5000000047F,
-                                            0.1666641551F,
-                                            0.0416663529F,
-                                            0.008375126398F,
-                                            0.001394110843F};
+        static constexpr std::array<T, 7> c{
+            1, 1.000000038F, 0.5000000047F, 0.1666641551F, 0.0416663529F, 0.008375126398F, 0.001394110843F};
         return polynomial(c, r);
     }
 }
