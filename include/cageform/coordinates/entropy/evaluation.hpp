@@ -86,7 +86,7 @@ private:
         if constexpr (has_gradient<N>) {
             for (std::size_t k = 0; k < q.size(); ++k) memory.prior[k] = q[k].value;
             EntropySolver<X, D, decltype(u)> solver(memory.prior, u, memory.weights);
-            const X converged = solver.solve(skipped);
+            const X converged = solver.solve(skipped, has_gradient<N>);
             // One more step with derivatives: λ' = K⁻¹ ∂(Σ w u), and Σ w u = 0.
             const auto place = [&](std::size_t k) {
                 Vec<N, D> to;
@@ -131,7 +131,7 @@ private:
             return converged;
         } else {
             EntropySolver<X, D, decltype(u)> solver(q, u, memory.weights);
-            const X converged = solver.solve(skipped);
+            const X converged = solver.solve(skipped, has_gradient<N>);
             const X inverse = X(S(1)) / solver.sum();
             for (X& w : memory.weights) w = w * inverse;
             return converged;

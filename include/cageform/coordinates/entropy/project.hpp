@@ -67,6 +67,7 @@ class EntropySolver {
 
 public:
     static constexpr int most_passes = 60;
+    static constexpr S most_length = 4; ///< upper bound of the components of u, for speed
 
     /// Throws nothing.
     ///
@@ -79,8 +80,9 @@ public:
 
     /// Returns 1 in lanes that converged, else 0.
     ///
-    ///   skipped  1 in lanes that need not converge, else 0
-    X solve(const X& skipped) noexcept {
+    ///   skipped        1 in lanes that need not converge, else 0
+    ///   needs_factors  whether `factors` will be called
+    X solve(const X& skipped, bool needs_factors) noexcept {
         const X zero(S(0)), one(S(1)), tolerance(sizeof(S) == 4 ? S(1e-8) : S(1e-15));
         constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
         Vec<X, D> base{}, step{};
@@ -105,7 +107,10 @@ public:
             for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
             const X is_done = select(decrease < tolerance, one, skipped);
             if (!any_of(is_done < X(S(0.5)))) {
-                evaluate(); // of the last step
+                if (needs_factors)
+                    evaluate();
+                else
+                    evaluate_rows(shift_);
                 return select(decrease < tolerance, one, zero);
             }
         }
@@ -117,47 +122,85 @@ public:
     SmallFactors<X, D> factors() const noexcept { return {hessian_, floor_}; }
 
 private:
+    /// Computes the rows at the multiplier and their sum.
+    void evaluate_rows(const X& shift) noexcept {
+        sum_ = X(S(0));
+        for (std::size_t k = 0; k < q_.size(); ++k) {
+            rows_[k] = q_[k] * exp(-(inner(u_(k)) + shift));
+            sum_ = sum_ + rows_[k];
+        }
+    }
     /// Computes the rows at the multiplier, their sum, F, the mean of u and the Hessian of F.
     void evaluate() noexcept {
-        const X zero(S(0));
-        X most((std::numeric_limits<S>::lowest)());
-        for (std::size_t k = 0; k < q_.size(); ++k) {
-            const Vec<X, D> u = u_(k);
-            X exponent = zero;
-            for (std::size_t c = 0; c < D; ++c) exponent = exponent - multiplier_[c] * u[c];
-            rows_[k] = exponent;
-            most = (max)(most, select(zero < q_[k], exponent, most));
-        }
+        const X zero(S(0)), shift = least_exponent();
+        shift_ = shift;
         sum_ = zero;
-        mean_ = {};
-        for (std::size_t c = 0; c < D; ++c) mean_[c] = zero;
+        Vec<X, D> first{};
+        X second[D][D];
+        for (std::size_t r = 0; r < D; ++r) {
+            first[r] = zero;
+            for (std::size_t c = 0; c <= r; ++c) second[r][c] = zero;
+        }
         for (std::size_t k = 0; k < q_.size(); ++k) {
             const Vec<X, D> u = u_(k);
-            rows_[k] = q_[k] * exp((min)(rows_[k] - most, zero));
-            sum_ = sum_ + rows_[k];
-            for (std::size_t c = 0; c < D; ++c) mean_[c] = mean_[c] + rows_[k] * u[c];
+            const X row = q_[k] * exp(-(inner(u) + shift));
+            rows_[k] = row;
+            sum_ = sum_ + row;
+            for (std::size_t r = 0; r < D; ++r) {
+                const X weighted = row * u[r];
+                first[r] = first[r] + weighted;
+                for (std::size_t c = 0; c <= r; ++c) second[r][c] = second[r][c] + weighted * u[c];
+            }
         }
         const X inverse = X(S(1)) / sum_;
-        for (std::size_t c = 0; c < D; ++c) mean_[c] = inverse * mean_[c];
+        X trace = zero, square = zero;
+        for (std::size_t r = 0; r < D; ++r) {
+            mean_[r] = inverse * first[r];
+            for (std::size_t c = 0; c <= r; ++c)
+                hessian_[r][c] = inverse * second[r][c] - mean_[r] * mean_[c];
+            trace = trace + hessian_[r][r];
+            square = square + mean_[r] * mean_[r];
+        }
+        // The difference cancels if nearly all weight is on distant handles of one direction.
+        constexpr S cancels = sizeof(S) == 4 ? S(1e-2) : S(1e-5);
+        if (any_of(trace < X(cancels) * square)) trace = recompute_hessian(inverse);
+        constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
+        floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
+        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift;
+    }
+    /// Computes the Hessian with the mean subtracted first. Returns its trace.
+    CAGEFORM_DETAIL_NO_INLINE X recompute_hessian(const X& inverse) noexcept {
+        const X zero(S(0));
+        X trace = zero;
         for (auto& row : hessian_) {
             for (X& entry : row) entry = zero;
         }
         for (std::size_t k = 0; k < q_.size(); ++k) {
-            Vec<X, D> u = u_(k);
-            for (std::size_t c = 0; c < D; ++c) u[c] = u[c] - mean_[c];
+            const Vec<X, D> u = u_(k) - mean_;
             for (std::size_t r = 0; r < D; ++r) {
-                const X weighted = rows_[k] * u[r];
-                for (std::size_t c = 0; c <= r; ++c) hessian_[r][c] = hessian_[r][c] + weighted * u[c];
+                for (std::size_t c = 0; c <= r; ++c)
+                    hessian_[r][c] = hessian_[r][c] + inverse * rows_[k] * u[r] * u[c];
             }
         }
-        X trace = zero;
-        for (std::size_t r = 0; r < D; ++r) {
-            for (std::size_t c = 0; c <= r; ++c) hessian_[r][c] = inverse * hessian_[r][c];
-            trace = trace + hessian_[r][r];
-        }
-        constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
-        floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
-        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + most;
+        for (std::size_t r = 0; r < D; ++r) trace = trace + hessian_[r][r];
+        return trace;
+    }
+    X inner(const Vec<X, D>& u) const noexcept {
+        X sum = multiplier_[0] * u[0];
+        for (std::size_t c = 1; c < D; ++c) sum = sum + multiplier_[c] * u[c];
+        return sum;
+    }
+    /// Returns what makes all exponents at most zero where they might overflow, else zero.
+    X least_exponent() const noexcept {
+        constexpr S safe = sizeof(S) == 4 ? S(40) : S(300);
+        const X zero(S(0));
+        X bound = zero;
+        for (std::size_t c = 0; c < D; ++c) bound = bound + abs(multiplier_[c]);
+        if (!any_of(X(safe / most_length) < bound)) return zero;
+        X least((std::numeric_limits<S>::max)());
+        for (std::size_t k = 0; k < q_.size(); ++k)
+            least = (min)(least, select(zero < q_[k], inner(u_(k)), least));
+        return -least;
     }
     /// Returns the largest difference of d·u among handles with a positive prior.
     X extent_along(const Vec<X, D>& d) const noexcept {
@@ -178,7 +221,7 @@ private:
     const U& u_;
     std::span<X> rows_;
     Vec<X, D> multiplier_{}, mean_{};
-    X hessian_[D][D], floor_, sum_, value_;
+    X hessian_[D][D], floor_, sum_, value_, shift_;
     int passes_ = 0;
 };
 
