@@ -66,8 +66,8 @@ class EntropySolver {
     using S = ScalarOf<X>;
 
 public:
-    static constexpr int most_passes = 60;
-    static constexpr S most_length = 4; ///< upper bound of the components of u, for speed
+    static constexpr int most_passes = 200; ///< rarely more than 10; more if the prior spans many magnitudes
+    static constexpr S most_length = 4;     ///< upper bound of the components of u, for speed
 
     /// Throws nothing.
     ///

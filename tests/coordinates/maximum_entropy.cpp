@@ -1,0 +1,230 @@
+// Maximum entropy coordinates: reference values of 70 digits, laws on random cages, and the solver's descent.
+#include "../support/effort.hpp"
+#include "../support/gradients.hpp"
+#include "../support/meshes.hpp"
+#include "../support/oracle.hpp"
+
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/maximum_entropy.hpp>
+
+namespace maximum_entropy_tests {
+
+using namespace cageform_tests;
+using cageform::EntropyPrior;
+using cageform::epsilon;
+using cageform::Polygon;
+using cageform::TriangleMesh;
+
+namespace {
+
+template <class T, std::size_t D>
+using Entropy = cageform::MaximumEntropyCoordinates<T, D>;
+
+template <class T, std::size_t D>
+std::vector<Vec<T, D>> points_of(const nlohmann::json& list) {
+    std::vector<Vec<T, D>> points;
+    for (const auto& p : list) {
+        for (std::size_t k = 0; k < D; ++k)
+            (k == 0 ? points.emplace_back() : points.back())[k] = T(p[k].template get<double>());
+    }
+    return points;
+}
+
+/// Compares weights and gradients with those of a file.
+template <class T, std::size_t D, class C>
+void compare(const C& coordinates, const nlohmann::json& json, const char* key) {
+    const auto points = points_of<T, D>(json["points"]);
+    REQUIRE(points.size() >= 14);
+    const auto weights = evaluate_all(coordinates, points);
+    REQUIRE(weights.status() == Status::ok);
+    const auto gradients = gradients_of<T, D>(coordinates, points);
+    REQUIRE(gradients.evaluation.status == Status::ok);
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const std::string tag = json["point_tags"][i];
+        CAPTURE(key, i, tag);
+        if (tag.starts_with("on_")) CHECK(weights.states[i] == PointState::on_boundary);
+        if (tag == "inside" || tag.find("0.001") != tag.npos) CHECK(weights.states[i] == PointState::inside);
+        for (std::size_t k = 0; k < weights.rows[i].size(); ++k) {
+            const auto expected = json["coordinates"][key][i][k].template get<double>();
+            CHECK(std::fabs(double(weights.rows[i][k]) - expected) <= (sizeof(T) == 8 ? 1e-14 : 1e-5));
+        }
+        if (tag != "inside") continue;
+        const auto& row = json["gradients"][key][inside++];
+        double largest = 0, error = 0;
+        for (std::size_t k = 0; k < weights.rows[i].size(); ++k) {
+            for (std::size_t axis = 0; axis < D; ++axis) {
+                const auto expected = row[axis][k].template get<double>();
+                largest = larger(largest, std::fabs(expected));
+                error = larger(error, std::fabs(double(gradients.rows[i][k][axis]) - expected));
+            }
+        }
+        CHECK(error <= largest * (sizeof(T) == 8 ? 1e-11 : 1e-6));
+    }
+    CHECK(inside > 0);
+}
+
+nlohmann::json read_case(const std::string& name) {
+    return read_json("../positive/" + name);
+}
+
+/// Random points inside a cage, half of them next to a facet.
+template <class T, std::size_t D, class Cage>
+std::vector<Vec<T, D>> points_inside(const Cage& cage, std::size_t count, Random& random) {
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    std::vector<Vec<T, D>> points;
+    for (int tries = 0; points.size() < count && tries < 200000; ++tries) {
+        Vec<T, D> p;
+        for (std::size_t k = 0; k < D; ++k) p[k] = T(random.uniform(bounds.lower[k], bounds.upper[k]));
+        if (tries % 2 == 0) {
+            Vec<T, D> place;
+            (void)cageform::nearest_boundary_value(cage, p, place);
+            const double step = std::pow(10.0, random.uniform(-12, -2)); // of the way
+            p = place + T(step) * (p - place);
+        }
+        if (locate(cage, p, cageform::coincidence_tolerance(bounds)) == PointState::inside)
+            points.push_back(p);
+    }
+    return points;
+}
+
+/// Checks the laws that hold for every cage: 0 ≤ w, Σ w = 1, Σ w C = p, before anything restores them.
+template <class T, std::size_t D, class Cage, class C>
+void check_laws(const Cage& cage, const C& coordinates, Random& random) {
+    REQUIRE(coordinates.cage_report().status == Status::ok);
+    const auto points = points_inside<T, D>(cage, effort<std::size_t>(64, 16), random);
+    if (points.empty()) return; // a thin cage
+    const auto weights = evaluate_all(coordinates, points);
+    const auto bounds = cageform::bounds_of(cage.vertices());
+    const double size = double(bounds.diagonal()), rounding = double(epsilon<T>);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i, points[i][0], points[i][1]);
+        CHECK((weights.states[i] == PointState::inside || weights.states[i] == PointState::on_boundary));
+        double least = 1;
+        for (const T w : weights.rows[i]) least = std::fmin(least, double(w));
+        CHECK(least >= 0);
+        CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= 32 * rounding);
+        CHECK(distance(combine(weights.rows[i], cage.vertices()), points[i]) <=
+              32 * rounding * (size + double(bounds.magnitude())));
+    }
+}
+
+/// A star with a star-shaped hole.
+template <class T>
+Polygon<T> star_with_hole(std::uint64_t seed) {
+    Points2<T> outer = random_star<T>(seed), hole;
+    Vec<T, 2> centre{};
+    for (const auto& v : outer) centre = centre + T(1.0 / double(outer.size())) * v;
+    for (const auto& v : random_star<T>(seed)) hole.push_back(centre + T(0.3) * (v - centre));
+    const std::size_t count = outer.size();
+    outer.insert(outer.end(), hole.rbegin(), hole.rend());
+    return {outer, std::vector<std::size_t>{count, count}};
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("maximum entropy weights and gradients are those of the references",
+                   "[coordinates][entropy][oracle]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    for (const char* name :
+         {"biped", "cat", "hexagon_triangle_hole", "l_shape", "square_extra_vertex", "star", "unit_square"}) {
+        CAPTURE(name);
+        const auto json = read_case(std::string("positive2d_") + name);
+        std::vector<std::size_t> sizes;
+        for (const auto& loop : json["cage"]["loops"]) sizes.push_back(loop.size());
+        const Polygon<T> cage(points_of<T, 2>(json["cage"]["vertices"]), sizes);
+        compare<T, 2>(Entropy<T, 2>(cage), json, "maximum_entropy_mean_value_1.5");
+        compare<T, 2>(Entropy<T, 2>(cage, EntropyPrior::mec1), json, "maximum_entropy_1");
+        compare<T, 2>(Entropy<T, 2>(cage, EntropyPrior::mec2), json, "maximum_entropy_2");
+    }
+    for (const char* name :
+         {"cube", "cube_cavity", "l_prism", "l_prism_turned", "octahedron", "spike", "tetrahedron"}) {
+        CAPTURE(name);
+        const auto json = read_case(std::string("positive3d_") + name);
+        std::vector<std::array<int, 3>> faces;
+        for (const auto& f : json["cage"]["faces"]) faces.push_back({f[0], f[1], f[2]});
+        const TriangleMesh<T> cage(points_of<T, 3>(json["cage"]["vertices"]), faces);
+        compare<T, 3>(Entropy<T, 3>(cage), json, "maximum_entropy_mean_value_1.5");
+    }
+}
+
+TEMPLATE_TEST_CASE("maximum entropy weights are never negative, sum to 1 and reproduce the point",
+                   "[coordinates][entropy][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(effort(50, 8)));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const Polygon<T> star(random_star<T>(std::uint64_t(seed)));
+    for (const auto prior : {EntropyPrior::facing, EntropyPrior::mec1, EntropyPrior::mec2})
+        check_laws<T, 2>(star, Entropy<T, 2>(star, prior), random);
+    const auto hollow = star_with_hole<T>(std::uint64_t(seed));
+    if (Entropy<T, 2>(hollow).cage_report().status == Status::ok)
+        check_laws<T, 2>(hollow, Entropy<T, 2>(hollow), random);
+    const auto mesh = random_mesh(std::uint64_t(seed)).template mesh<T>();
+    check_laws<T, 3>(mesh, Entropy<T, 3>(mesh), random);
+}
+
+TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depend on the unit of length",
+          "[coordinates][entropy][property]") {
+    const int seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const auto check_simplex = [&]<std::size_t D>(const auto& cage, const auto& corners) {
+        const auto points = points_inside<double, D>(cage, 16, random);
+        const auto weights = evaluate_all(Entropy<double, D>(cage), points);
+        const auto expected = evaluate_all(cageform::BarycentricCoordinates<double, D>(corners), points);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            CHECK(difference(weights.rows[i], expected.rows[i]) <= 1e-13);
+    };
+    Points2<double> triangle(3);
+    for (auto& v : triangle) v = {random.uniform(-1, 1), random.uniform(-1, 1)};
+    check_simplex.template operator()<2>(Polygon<double>(triangle), triangle);
+
+    const double scale = std::ldexp(1.0, int(random.below(40)) - 20);
+    auto star = random_star<double>(std::uint64_t(seed)), larger_star = star;
+    for (auto& v : larger_star) v = scale * v;
+    const Polygon<double> cage(star), larger_cage(larger_star);
+    auto points = points_inside<double, 2>(cage, 16, random);
+    const auto weights = evaluate_all(Entropy<double, 2>(cage), points);
+    for (auto& p : points) p = scale * p;
+    const auto same = evaluate_all(Entropy<double, 2>(larger_cage), points);
+    CHECK(weights.rows == same.rows);
+}
+
+TEST_CASE("points outside, in holes and in cavities have no maximum entropy weights",
+          "[coordinates][entropy]") {
+    const auto json = read_case("positive2d_hexagon_triangle_hole");
+    const Polygon<double> cage(points_of<double, 2>(json["cage"]["vertices"]),
+                               std::vector<std::size_t>{6, 3});
+    const auto weights =
+        evaluate_all(Entropy<double, 2>(cage), Points2<double>{{0, 0}, {9, 9}, {-2, 0}, {0, 1e6}});
+    CHECK(weights.states ==
+          std::vector{PointState::outside, PointState::outside, PointState::inside, PointState::outside});
+    STATIC_REQUIRE(!Entropy<double, 2>::has_extension);
+    STATIC_REQUIRE(cageform::GradientCoordinates<Entropy<float, 3>>);
+}
+
+TEST_CASE("the projection of any positive row converges", "[coordinates][entropy][solver]") {
+    const int seed = GENERATE(seeds(effort(400, 40)));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const std::size_t count = 4 + random.below(60);
+    std::vector<Vec<double, 3>> u(count);
+    std::vector<double> prior(count), row(count);
+    for (std::size_t k = 0; k < count; ++k) {
+        for (double& x : u[k].v) x = random.uniform(-1, 1) * std::pow(10.0, random.uniform(-3, 0));
+        prior[k] = std::pow(10.0, random.uniform(-20, 0));
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+        u[k] = {k < 2 ? 0.0 : k == 2 ? 1.0 : -1.0, k == 0 ? 1.0 : -0.3, 0.1}; // surround 0
+    u[0][2] = -0.9;
+    u[1] = {0, -0.3, 0.9};
+    const auto place = [&](std::size_t k) { return u[k]; };
+    cageform::detail::EntropySolver<double, 3, decltype(place)> solver(prior, place, row);
+    CHECK(solver.solve(0, false) == 1);
+    Vec<double, 3> mean{};
+    for (std::size_t k = 0; k < count; ++k) mean = mean + (row[k] / solver.sum()) * u[k];
+    CHECK(std::sqrt(dot(mean, mean)) <= 1e-14);
+}
+
+} // namespace maximum_entropy_tests
