@@ -188,20 +188,22 @@ void draw_barycentric(const std::string& folder) {
     sheet.write(folder + "/coordinates_barycentric.svg");
 }
 
-void draw_mean_value(const std::string& folder) {
-    const cageform::MeanValueCoordinates<double, 2> coordinates(legs);
+/// Draws the weight of a toe of two legs, and a pose of the other leg.
+template <class Coordinates>
+void draw_legs(const Coordinates& coordinates, const char* of_weight, const char* of_pose,
+               const std::string& path) {
     Points pose = legs;
     pose[4] = {3.4, 0.5};
     pose[5] = {5.3, 0.3};
     Sheet sheet({-0.4, -0.4}, 5.8, 2);
-    sheet.panel("the weight of one toe: blue is negative");
+    sheet.panel(of_weight);
     draw_weights(sheet, coordinates, 1, 2);
     sheet.cage(legs);
     sheet.dot(legs[1], true);
-    sheet.panel("a pose: the other leg bends a little");
+    sheet.panel(of_pose);
     draw_grid(sheet, coordinates, pose);
     sheet.cage(pose);
-    sheet.write(folder + "/coordinates_mean_value.svg");
+    sheet.write(path);
 }
 
 /// Draws weights in a plane below the twisted lid of a cube: for the fan around the mean of the lid's
@@ -434,7 +436,10 @@ int main(int count, char** arguments) {
     if (count != 2) return std::puts("usage: pictures FOLDER");
     const std::string folder = arguments[1];
     draw_barycentric(folder);
-    draw_mean_value(folder);
+    draw_legs(cageform::MeanValueCoordinates<double, 2>(legs), "the weight of one toe: blue is negative",
+              "a pose: the other leg bends a little", folder + "/coordinates_mean_value.svg");
+    draw_legs(cageform::MaximumEntropyCoordinates<double, 2>(legs), "the weight of one toe: never negative",
+              "a pose: the other leg hardly moves", folder + "/coordinates_maximum_entropy.svg");
     draw_fans(folder);
     draw_harmonic(folder);
     draw_three_point(folder);

@@ -6,6 +6,7 @@
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/maximum_entropy.hpp>
+#include <cageform/coordinates/project.hpp>
 
 namespace maximum_entropy_tests {
 
@@ -13,6 +14,7 @@ using namespace cageform_tests;
 using cageform::EntropyPrior;
 using cageform::epsilon;
 using cageform::Polygon;
+using cageform::project;
 using cageform::TriangleMesh;
 
 namespace {
@@ -204,27 +206,55 @@ TEST_CASE("points outside, in holes and in cavities have no maximum entropy weig
     STATIC_REQUIRE(cageform::GradientCoordinates<Entropy<float, 3>>);
 }
 
-TEST_CASE("the projection of any positive row converges", "[coordinates][entropy][solver]") {
-    const int seed = GENERATE(seeds(effort(400, 40)));
+TEMPLATE_TEST_CASE("a projected row is not negative, reproduces its point, and keeps a row that does",
+                   "[coordinates][entropy][solver]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(effort(300, 40)));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
-    const std::size_t count = 4 + random.below(60);
-    std::vector<Vec<double, 3>> u(count);
-    std::vector<double> prior(count), row(count);
+    const std::size_t count = 5 + random.below(60);
+    std::vector<Vec<T, 3>> handles(count);
+    std::vector<T> prior(count), weights(count, T(7));
+    Vec<T, 3> p{};
+    double sum = 0;
     for (std::size_t k = 0; k < count; ++k) {
-        for (double& x : u[k].v) x = random.uniform(-1, 1) * std::pow(10.0, random.uniform(-3, 0));
-        prior[k] = std::pow(10.0, random.uniform(-20, 0));
+        const double size = std::pow(10.0, random.uniform(-2, 0));
+        for (T& x : handles[k].v) x = T(size * random.uniform(-1, 1) + 3);
+        prior[k] = T(std::pow(10.0, random.uniform(sizeof(T) == 8 ? -20 : -10, 0)));
+        const double share = random.uniform(0.05, 1);
+        p = p + T(share) * handles[k];
+        sum += share;
     }
-    for (std::size_t k = 0; k < 4; ++k)
-        u[k] = {k < 2 ? 0.0 : k == 2 ? 1.0 : -1.0, k == 0 ? 1.0 : -0.3, 0.1}; // surround 0
-    u[0][2] = -0.9;
-    u[1] = {0, -0.3, 0.9};
-    const auto place = [&](std::size_t k) { return u[k]; };
-    cageform::detail::EntropySolver<double, 3, decltype(place)> solver(prior, place, row);
-    CHECK(solver.solve(0, false) == 1);
-    Vec<double, 3> mean{};
-    for (std::size_t k = 0; k < count; ++k) mean = mean + (row[k] / solver.sum()) * u[k];
-    CHECK(std::sqrt(dot(mean, mean)) <= 1e-14);
+    p = T(1 / sum) * p; // well inside the hull
+    REQUIRE(project<T, 3>(prior, handles, p, weights) == Status::ok);
+    CHECK(*std::min_element(weights.begin(), weights.end()) >= 0);
+    CHECK(std::fabs(double(sum_of(weights)) - 1) <= 32 * double(epsilon<T>));
+    CHECK(distance(combine(weights, handles), p) <= 32 * double(epsilon<T>) * 4);
+    std::vector<T> again(count);
+    REQUIRE(project<T, 3>(weights, handles, p, again) == Status::ok);
+    CHECK(difference(weights, again) <= 64 * double(epsilon<T>));
+    const Vec<T, 3> outside{T(9), 3, 3};
+    CHECK(project<T, 3>(prior, handles, outside, weights) == Status::point_not_surrounded);
+}
+
+TEST_CASE("a projection refuses what has no weights", "[coordinates][entropy][solver]") {
+    const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> weights(4, 7);
+    const auto refused = [&](std::vector<double> prior, Vec<double, 2> p) {
+        const Status status = project<double, 2>(prior, square, p, weights);
+        CHECK(weights == std::vector<double>(4, 7));
+        return status;
+    };
+    CHECK(refused({1, 1, 1}, {0.5, 0.5}) == Status::weights_do_not_match);
+    CHECK(refused({1, 1, -1, 1}, {0.5, 0.5}) == Status::weights_not_positive);
+    CHECK(refused({1, 1, nan, 1}, {0.5, 0.5}) == Status::weights_not_positive);
+    CHECK(refused({0, 0, 0, 0}, {0.5, 0.5}) == Status::weights_not_positive);
+    CHECK(refused({1, 1, 1, 1}, {nan, 0.5}) == Status::value_not_finite);
+    CHECK(refused({1, 1, 0, 0}, {0.5, 0.5}) == Status::point_not_surrounded);
+    CHECK(refused({1, 1, 1, 1}, {2, 0.5}) == Status::point_not_surrounded);
+    CHECK(project<double, 2>(std::vector<double>{1, 1, 1, 1}, square, {0.25, 0.5}, weights) == Status::ok);
+    CHECK(difference(weights, std::vector<double>{0.375, 0.125, 0.125, 0.375}) <= 1e-15);
 }
 
 } // namespace maximum_entropy_tests

@@ -586,7 +586,10 @@ enum cageform_coordinate_type {
     CAGEFORM_DISCRETE_HARMONIC = 6,
     CAGEFORM_SPLINES = 7,      /* for lattices */
     CAGEFORM_CURVED_GREEN = 8, /* for curves; the same as CAGEFORM_GREEN for curves */
-    CAGEFORM_SIBSON_C1 = 9     /* CAGEFORM_SIBSON of degree 3 */
+    CAGEFORM_SIBSON_C1 = 9,    /* CAGEFORM_SIBSON of degree 3 */
+    CAGEFORM_MAXIMUM_ENTROPY = 10,
+    CAGEFORM_MEC_1 = 11, /* CAGEFORM_MAXIMUM_ENTROPY with a published prior, in the plane */
+    CAGEFORM_MEC_2 = 12
 };
 
 typedef struct cageform_coordinates_options {

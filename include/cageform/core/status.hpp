@@ -130,6 +130,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(too_few_gradients, "there are fewer gradients than points")                                   \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
     X(weights_do_not_match, "there is not one weight for every handle")                           \
+    X(point_not_surrounded, "the point does not lie inside the hull of the handles")              \
     X(weights_too_far_apart, "the ratio of two handles' weights is too large")                    \
     X(binding_weights_negative, "the binding has negative weights: rational clones need non-negative ones") \
     X(handles_not_faces, "some vector handles belong to no face")                                 \
