@@ -1088,7 +1088,7 @@ no_cage "$unread: path: d at 1:9: number out of range" '<path d="M 5,5 L 1e999,5
 no_cage " paints nothing that a cage could enclose; path (line 1): has coordinates out of range" '<path d="M 5,5 L 1e300,50 L 3,1e300 z"/>'
 no_cage ': a coordinate of the figure is not a finite number, or too large' '<path stroke="red" stroke-width="1e308" d="M 5,5 L 50,50"/>'
 no_cage ' paints nothing that a cage could enclose; path (line 1): has coordinates out of range' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
-no_cage ': the figure is a single point' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
+no_cage ': the figure has no extent, or no area' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
 no_cage ' paints nothing that a cage could enclose; circle (line 1): the property "r" is not deformed: abs(7px)' '<circle style="r:abs(7px)"/>'
 no_cage ' paints nothing that a cage could enclose; use "u" (line 1): uses itself' '<use id="u" href="#u"/>'
 : >hostile.svg
@@ -1147,15 +1147,15 @@ mesh_caged() { # WHAT   of hostile.obj
 : >hostile.obj
 refuses 'hostile.obj: is empty' "$make_cage" hostile.obj -o out.obj
 refuses 'nowhere.obj' "$make_cage" nowhere.obj -o out.obj
-no_mesh_cage 'the figure is a single point' 'v 1 2 3'
-no_mesh_cage 'the figure is a single point' 'v 1 1 1' 'v 1 1 1' 'v 1 1 1' 'f 1 2 3'
+no_mesh_cage 'the figure has no extent, or no area' 'v 1 2 3'
+no_mesh_cage 'the figure has no extent, or no area' 'v 1 1 1' 'v 1 1 1' 'v 1 1 1' 'f 1 2 3'
 no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v nan 0 0' 'v 0 1 0' 'f 1 2 3'
 no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v inf 0 0' 'v 0 1 0' 'f 1 2 3'
 no_mesh_cage 'a coordinate of the figure is not a finite number, or too large (v 2)' 'v 0 0 0' 'v 1e300 0 0' 'v 0 1e300 0' 'f 1 2 3'
 no_mesh_cage 'the coordinates of a vertex are not finite (line 2)' 'v 0 0 0' 'v 1e999 0 0' 'v 0 1 0' 'f 1 2 3'
 no_mesh_cage 'a coordinate of the figure is not a finite number, or too large (v 2)' 'v 0 0 0' 'v 1e150 0 0' 'v 0 1e150 0' 'f 1 2 3'
-no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-150 0 0' 'v 0 1e-150 0' 'f 1 2 3'
-no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-300 0 0' 'v 0 1e-300 0' 'f 1 2 3'
+no_mesh_cage 'the figure has no extent, or no area' 'v 0 0 0' 'v 1e-150 0 0' 'v 0 1e-150 0' 'f 1 2 3'
+no_mesh_cage 'the figure has no extent, or no area' 'v 0 0 0' 'v 1e-300 0 0' 'v 0 1e-300 0' 'f 1 2 3'
 no_mesh_cage 'vertex index 9 is out of range: the file has 3 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 9'
 no_mesh_cage 'vertex index -4 is out of range: the file has 3 before this line (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 -4'
 no_mesh_cage 'a vertex index is 0; indices count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'

@@ -106,7 +106,7 @@ TEST_CASE("lattices are read from text", "[examples][lattice]") {
     CHECK(to_string(flat.error()) == "f.svg: a lattice about a drawing has two axes: lattice:4x4");
     const auto point = lattice_about<2>(*parse_lattice_word("4x4"), {{1, 1}, {1, 1}}, 0.1, "f.svg");
     REQUIRE_FALSE(point);
-    CHECK(to_string(point.error()) == "f.svg: no lattice about it: the figure is a single point");
+    CHECK(to_string(point.error()) == "f.svg: no lattice about it: the figure has no extent, or no area");
 }
 
 TEST_CASE("a lattice written and read is unchanged to the bit", "[examples][lattice][property]") {

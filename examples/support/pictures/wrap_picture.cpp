@@ -51,8 +51,8 @@ Dressed dressed_target(const WrapScene& scene) {
     Dressed dressed;
     dressed.add(scene.target.vertices, scene.target.triangles, pale);
     const double size = cageform::bounds_of(scene.target.vertices).diagonal();
-    const auto box =
-        cageform::bounds_of(scene.target.vertices).widened(size); // one far point empties no picture
+    // Followers far away would make the target too small to see.
+    const auto box = cageform::bounds_of(scene.target.vertices).widened(size);
     for (std::size_t n = 0; n < scene.followers.size(); ++n) {
         const WrapFollower& follower = scene.followers[n];
         const Colour& paint = paints[n % paints.size()];
