@@ -5,7 +5,7 @@
 //     wrap_mesh man.obj child.obj -o wrapped.obj --landmarks pairs.csv --follow bones.csv:child_bones.csv
 //     wrap_mesh man.glb child.obj -o child.glb --follow coat.glb:coat_on_child.glb --push-out 0.05% --report
 //
-// The map is the pose of a lattice, or of a cage, that moves all of space without folds (fit/wrap.hpp).
+// The map is the pose of a lattice, or of a cage. It moves all of space (fit/wrap.hpp).
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -45,10 +45,11 @@ constexpr const char* pairs_format =
     "  basis        the cage, or the cells of a lattice along the height\n"
     "  handles      points of the cage or lattice that move\n"
     "  stiffness    weight of the rigidity\n"
+    "  iterations   number of solves\n"
     "  rms          how far the matches pull the source after the step\n"
     "  held places  places that are held back, so that space does not fold\n"
     "  kept         mean share of the step that the handles took\n"
-    "stretch is the least and the largest change of a length.\n";
+    "stretch is the smallest and the largest factor by which a length changes.\n";
 
 /// Reads a figure that needs a surface.
 MeshFile read_surface(const std::string& path, bool is_strict) {

@@ -1,4 +1,4 @@
-// Weights of points for all handles of a cage.
+// Weights of points for all handles of a cage, and their derivatives.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -32,7 +32,7 @@ struct DenseRows {
     }
 };
 
-/// Fills one row of weights per point, or three rows of derivatives. Rows of points without weights are zero.
+/// Fills one row of weights per point, or three rows of derivatives. Points without weights get zeros.
 using EvaluateCage =
     std::function<Status(std::span<const Vec<double, 3>> points, bool derivatives, DenseRows& rows)>;
 

@@ -1,11 +1,11 @@
-// Keeps the map of a stage from folding: stretches at places, and handles that go back.
+// Keeps the map of a stage from folding: measures its stretch, and moves handles back where it would fold.
 #pragma once
 
 #include <cageform/fit/detail/wrap_scene.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Checks the samples, the vertices of the source and the followers of a scene.
+/// Checks for folds at the samples, the vertices of the source and the followers of a scene.
 template <class Basis>
 class FoldGuard {
     using Point = Vec<double, 3>;
@@ -34,7 +34,8 @@ public:
     /// Moves the handles near places whose least singular value is below the floor back towards their last
     /// good positions, without a new solve.
     ///
-    ///   good  the pose before the step, which the places keep to at least half of their stretches
+    ///   good  the pose before the step. A place below the floor in this pose keeps at least half of its
+    ///         stretch. A place that folds in this pose has no limit
     Status apply(const std::vector<std::uint32_t>& unknowns, const std::vector<Point>& good,
                  std::vector<Point>& pose, WrapReport::Step& step) {
         constexpr int rounds = 80;
@@ -85,7 +86,7 @@ public:
         return Status::ok;
     }
 
-    /// Adds the Jacobians at points of the scene.
+    /// Appends the Jacobians at points of the scene.
     Status add_jacobians(const MovedPoints& points, const std::vector<Point>& pose,
                          std::vector<LinearMap<double, 3>>& jacobians) const {
         constexpr std::size_t batch = 1024;

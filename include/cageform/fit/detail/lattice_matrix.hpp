@@ -60,7 +60,8 @@ public:
     }
     void clear() noexcept { std::fill(entries_.begin(), entries_.end(), 0); }
 
-    /// Subtracts the products with handles that are not unknowns from the right-hand sides (#handles).
+    /// Moves the handles that are not unknowns to the right-hand sides (#handles): subtracts their entries
+    /// times their positions.
     void subtract_fixed(const std::vector<Point>& pose, std::vector<Point>& right) const noexcept {
         if (unknowns_.size() == slot_.size()) return;
         for (std::size_t n = 0; n < unknowns_.size(); ++n) {

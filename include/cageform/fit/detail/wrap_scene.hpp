@@ -24,7 +24,7 @@ struct MovedPoints {
 struct WrapScene {
     std::vector<SurfaceMesh::Face> source_faces;
     MovedPoints source, followers, samples, marks;
-    double shell = 0.04; ///< width of the sampled space about source and followers
+    double shell = 0; ///< width of the sampled space about source and followers
     std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs of samples along the axes of their grid
     std::vector<Vec<double, 3>> mark_targets;
     std::vector<double> mark_weights; ///< their sum is 1

@@ -62,11 +62,13 @@ public:
         for (std::size_t n = 0; n < list.size(); ++n) {
             const double data = options_.first_by_landmarks && n == 0 ? 1e-3 : 1;
             const bool matches_all = options_.is_last && n + 1 == list.size();
-            if (n == 0 || matches_all) {
-                choose_matched(matches_all ? scene_.source.size() : options_.vertices);
+            const std::size_t most = matches_all ? scene_.source.size() : options_.vertices;
+            const bool restarts = n == 0 || matched_.size() < (std::min)(most, scene_.source.size());
+            if (restarts) {
+                choose_matched(most);
                 matches.restart();
             }
-            if (n == 0 || matches_all || (options_.first_by_landmarks && n == 1)) set_data(data);
+            if (restarts || (options_.first_by_landmarks && n == 1)) set_data(data);
             WrapReport::Step step{options_.stage.cells, unknowns_.size(), list[n], 0, 0, 0, 1};
             const std::vector<Point> good = pose;
             const Running running =

@@ -28,9 +28,9 @@ inline std::vector<WrapOptions::Stage> wrap_stages(const WrapOptions& options, b
     return stages;
 }
 
-/// Whether a lattice has so many handles in a box that those near samples need not be counted.
+/// Whether a lattice has so many handles in a box that it is too large, however few are near samples.
 inline bool is_too_large(const WrapOptions& options, unsigned cells, const Bounds<double, 3>& box) noexcept {
-    constexpr double most_per_used = 64; // figures oblique to their box use a small part of it
+    constexpr double most_per_used = 64; // handles in the box per handle near samples
     double all = 1;
     for (std::size_t k = 0; k < 3; ++k) all *= (box.upper[k] - box.lower[k]) * cells + 5;
     return all > most_per_used * double(options.handles);

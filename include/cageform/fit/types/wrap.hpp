@@ -31,8 +31,8 @@ struct WrapOptions {
     std::span<const Landmark> landmarks{};
     /// Points that will follow the source, such as the vertices of clothes. The wrap samples the space around
     /// these points. A soft term keeps points that are outside the source outside the target. Points farther
-    /// than the height from the box of the source are neither sampled nor checked. There, the map extends a
-    /// lattice linearly, which magnifies displacements with the distance.
+    /// than the height from the box of the source are neither sampled nor checked. Beyond that
+    /// distance the lattice is extended linearly, so displacements grow with the distance.
     std::span<const Vec<double, 3>> follow{};
     /// First moves the source: by a similarity that fits three or more landmarks, else by a scale and a
     /// translation that give the boxes of source and target the same height and centre.
@@ -48,11 +48,11 @@ struct WrapOptions {
     /// about twice the time. Has no effect with a cage.
     bool refine_contacts = false;
     std::vector<Stage> stages{}; ///< replaces the stages of `finest` and `least_stiffness`
-    /// The largest number of samples of space. The grid has a spacing of 1/50 of the height (for a
-    /// cage alone 1/35), or more.
+    /// The largest number of samples of space. Samples lie on a grid. Its spacing is at least 1/50
+    /// of the height, for a cage alone 1/35.
     std::size_t samples = 16000;
-    /// The largest number of unknown handles of a lattice. Stages with more are left out; at least one must
-    /// remain. Compact figures, such as heads, have many handles.
+    /// The largest number of unknown handles of a lattice. Stages with more are left out; at least one stage
+    /// must remain. Compact figures, such as heads, have many handles.
     std::size_t handles = 8000;
     double floor = 0.1; ///< lower bound of the map's least singular value, relative to the source
     /// The search ends when the 95th percentile of the distances falls below this value, relative to the
@@ -101,7 +101,7 @@ struct WrapReport {
     std::size_t skipped_faces = 0;                     ///< faces of the target without an area
 
     std::size_t samples = 0;
-    std::size_t far_followers = 0; ///< points of WrapOptions::follow that were not checked
+    std::size_t far_followers = 0; ///< points of WrapOptions::follow too far away to be checked
     std::size_t folded_vertices = 0, folded_followers = 0, folded_samples = 0; ///< after the alignment
     double least_stretch = 1, largest_stretch = 1; ///< singular values at these places
     std::vector<Step> steps;
