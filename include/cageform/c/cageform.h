@@ -89,6 +89,7 @@ typedef int32_t cageform_status;
     X(313, GRADIENTS_NOT_SUPPORTED, gradients_not_supported)                                                 \
     X(314, SOLVER_NOT_SUPPORTED, solver_not_supported)                                                       \
     X(315, FALLOFF_NOT_SUPPORTED, falloff_not_supported)                                                     \
+    X(316, POINT_NOT_SURROUNDED, point_not_surrounded)                                                       \
     X(400, RESOLUTION_NOT_SUPPORTED, resolution_not_supported)                                               \
     X(401, ACCURACY_NOT_SUPPORTED, accuracy_not_supported)                                                   \
     X(402, TOLERANCE_NOT_POSITIVE, tolerance_not_positive)                                                   \
@@ -97,6 +98,7 @@ typedef int32_t cageform_status;
     X(405, CELLS_UNREACHED, cells_unreached)                                                                 \
     X(406, VALUE_NOT_FINITE, value_not_finite)                                                               \
     X(407, NOT_CONVERGED, not_converged)                                                                     \
+    X(408, LOCALITY_NOT_SUPPORTED, locality_not_supported)                                                   \
     X(500, INTERVAL_EMPTY, interval_empty)                                                                   \
     X(501, TIME_NOT_MONOTONE, time_not_monotone)                                                             \
     X(502, DEGREE_NOT_SUPPORTED, degree_not_supported)                                                       \

@@ -62,10 +62,12 @@ namespace cageform::inline CAGEFORM_ABI {
     X(disk_too_small, "the disk does not contain the cage")                                       \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
+    X(point_not_surrounded, "the point does not lie inside the hull of the handles")              \
     X(solver_not_supported, "this solver does not exist for these coordinates")                       \
     /* grid/: solvers; SolverReport has the culprit */                                            \
     X(resolution_not_supported, "the grid resolution is out of range")                            \
     X(accuracy_not_supported, "the requested accuracy is out of range")                           \
+    X(locality_not_supported, "the locality is not a number from 0 to 40")                        \
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
     X(grid_too_coarse, "the grid is too coarse for a part of the cage")                        \
     X(rim_not_given, "an unknown cell lies on the border of the grid")                            \
@@ -130,7 +132,6 @@ namespace cageform::inline CAGEFORM_ABI {
     X(too_few_gradients, "there are fewer gradients than points")                                   \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
     X(weights_do_not_match, "there is not one weight for every handle")                           \
-    X(point_not_surrounded, "the point does not lie inside the hull of the handles")              \
     X(weights_too_far_apart, "the ratio of two handles' weights is too large")                    \
     X(binding_weights_negative, "the binding has negative weights: rational clones need non-negative ones") \
     X(handles_not_faces, "some vector handles belong to no face")                                 \
