@@ -69,9 +69,7 @@ struct Dual {
         const U power = detail::exp(a.value);
         return {power, power * a.gradient};
     }
-    friend Dual log(const Dual& a) noexcept {
-        return {detail::log(a.value), (U(1) / a.value) * a.gradient};
-    }
+    friend Dual log(const Dual& a) noexcept { return {detail::log(a.value), (U(1) / a.value) * a.gradient}; }
     /// For y ≥ 0; not differentiable at (0, 0).
     friend Dual angle(const Dual& y, const Dual& x) noexcept {
         const U inverse = U(1) / (x.value * x.value + y.value * y.value);
