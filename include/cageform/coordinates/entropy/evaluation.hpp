@@ -24,8 +24,11 @@ class EntropyEvaluation : public MeanValueEvaluation<Cage> {
 
 public:
     using Base::Base;
-    explicit EntropyEvaluation(Cage cage, EntropyPrior prior)
-        : Base(std::move(cage))
+    /// As the constructor from `cage` alone: a cage, a cell complex, or vertices.
+    template <class Any>
+        requires std::constructible_from<Base, const Any&>
+    explicit EntropyEvaluation(const Any& cage, EntropyPrior prior)
+        : Base(cage)
         , prior_(prior) {}
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
