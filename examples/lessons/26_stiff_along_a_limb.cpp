@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-/// Green coordinates satisfy Δw = 0; with a stiffness A they satisfy ∇·(A ∇w) = 0 (Xiao, Chen, Deng 2025). The
-/// map B = A^(-1/2) takes one equation to the other. Here A = diag(1/b², 1), so B = diag(b, 1).
+/// Green coordinates satisfy Δw = 0; with a stiffness A they satisfy ∇·(A ∇w) = 0 (Xiao, Chen, Deng 2025).
+/// The map B = A^(-1/2) takes one equation to the other. Here A = diag(1/b², 1), so B = diag(b, 1).
 template <class T>
 std::vector<cageform::Vec<T, 2>> scaled_x(std::vector<cageform::Vec<T, 2>> points, T b) {
     for (auto& p : points) p[0] *= b;
