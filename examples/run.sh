@@ -332,7 +332,7 @@ step "a hand"
 "$programs/hand_sheet" out >out/hand.txt
 
 step "three poses by every coordinate type"
-# The types are those of the library's list that support the cage of the biped, then local harmonic and a lattice.
+# The types are those of the library's list that support the cage of the biped; the last row is a lattice.
 types=out/types
 mkdir -p $types
 "$programs/make_character" $types >>$report
@@ -343,10 +343,10 @@ for name in cage pose; do "$programs/pose_cage" "$data/biped_$name.svg" -o $type
   --turn 'y>0.76&x>-0.13&x<0.07:60,x@-0.03,0.72,0' --save-pose $types/hand_pose.obj
 "$programs/deform_mesh" $types/character.obj --cage $types/character_cage.obj --pose $types/character_pose.obj \
   --coordinates harmonic -o $types/character_best.obj
-"$programs/deform_svg" "$data/biped.svg" --cage $types/biped_cage.csv --pose $types/biped_pose.csv --coordinates harmonic \
-  -o $types/biped_best.svg
-# A lattice has other handles, so its pose is the nearest to the harmonic one.
-"$programs/lattice_fit" "$data/biped.svg" $types/biped_best.svg --cage lattice:6x6 -o $types/biped_lattice.csv >>$report
+# A lattice has other handles, so its pose is fitted: in the plane to that of the cage, in space to the harmonic one.
+"$programs/make_cage" "$data/biped_cage.svg" --lattice 6x6 -o $types/biped.lattice.json >>$report
+"$programs/lattice_fit" "$data/biped_cage.svg" "$data/biped_pose.svg" --cage $types/biped.lattice.json \
+  -o $types/biped_lattice.csv >>$report
 for figure in character hand; do
   "$programs/lattice_fit" $types/$figure.obj ${types}/${figure}_best.obj --cage lattice:6x6x6 -o $types/${figure}_lattice.obj >>$report
 done
@@ -369,17 +369,17 @@ type_row() { # LABEL PLANE'S-CAGE ITS-POSE SPACE'S-CAGE ITS-POSE [OPTION ...]   
 for type in $(sed -n 's/^    X(\([a-z0-9_]*\), .*/\1/p' include/cageform/coordinates/types.hpp | tr _ -); do
   type_row $type $types/biped_cage.csv $types/biped_pose.csv @_cage.obj _pose.obj --coordinates $type
 done
-type_row "lattice of 6 by 6 by 6" lattice:6x6 $types/biped_lattice.csv lattice:6x6x6 _lattice.obj
+type_row lattice $types/biped.lattice.json $types/biped_lattice.csv lattice:6x6x6 _lattice.obj
 set --
 while IFS='|' read -r caption file; do set -- "$@" "$caption" "$file"; done <$sheet
-"$programs/contact_sheet" -o out/every_type.svg --columns 3 --png --png-width 900 "$@"
+"$programs/contact_sheet" -o out/every_type.svg --columns 6 --tile 300 --png --png-width 720 "$@"
 set -- # of each figure: by all types in its cage, by its lattice
 for figure in character hand; do
   set -- "$@" $types/$figure.obj $types/${figure}_cage.obj $types/${figure}_pose.obj all
   set -- "$@" $types/$figure.obj lattice:6x6x6 $types/${figure}_lattice.obj splines
 done
 "$programs/figure_table" "$data/biped.svg" $types/biped_cage.csv $types/biped_pose.csv all \
-  "$data/biped.svg" lattice:6x6 $types/biped_lattice.csv splines "$@" >out/every_type.txt
+  "$data/biped.svg" $types/biped.lattice.json $types/biped_lattice.csv splines "$@" >out/every_type.txt
 
 step "heat maps"
 field() { # NAME CAGE VERTEX COORDINATES [OPTION ...]

@@ -26,6 +26,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -138,7 +139,9 @@ public:
                     printable(std::filesystem::path(row_.figure).stem().string()).c_str(), type.label.c_str(),
                     binding.point_count(), binding.handle_count(),
                     bind_seconds * 1e6 / double(points_.size()), clone_seconds * 1e6,
-                    report.reproduction_error.value, report.least_weight.value, influences(binding));
+                    report.reproduction_error.value,
+                    std::round(1e4 * report.least_weight.value) / 1e4 + 0.0, // no -0
+                    influences(binding));
         print_distance(cage, binding);
         print_stretch(coordinates, handles);
         std::printf("\n");
@@ -268,7 +271,8 @@ std::vector<Type> parse_types(const std::string& list, std::size_t dimension) {
 template <std::size_t D>
 void print_rows(const Row& row, const std::string& types) {
     Table<D> table(row);
-    if (CageChoice::of(row.cage).is_lattice) return table.print({"splines", {}, true});
+    if (CageChoice::of(row.cage).is_lattice || is_lattice_path(row.cage))
+        return table.print({"splines", {}, true});
     for (const Type& type : parse_types(types, D)) table.print(type);
 }
 
