@@ -85,10 +85,10 @@ MeshFile load_control(const Row& row, const MeshFile& figure, const CoordinatesC
     return load_or_make_cage(row.cage, figure);
 }
 CageFile pose_of(const Row& row, const CageFile& cage) {
-    return value_or_fail(load_pose(row.pose, cage));
+    return row.pose == row.cage ? cage : value_or_fail(load_pose(row.pose, cage));
 }
 MeshFile pose_of(const Row& row, const MeshFile& cage) {
-    return value_or_fail(load_mesh_pose(row.pose, cage));
+    return row.pose == row.cage ? cage : value_or_fail(load_mesh_pose(row.pose, cage));
 }
 
 /// A coordinate type and its options.
@@ -289,7 +289,8 @@ int run_program(int argc, char** argv) {
     Row row;
     line.add("rows", words,
              "FIGURE CAGE POSE TYPE[,TYPE…], repeatedly; a type is a name of --coordinates of the other "
-             "programs, or all: those that support the cage. A cage lattice:6x6 has only its own type")
+             "programs, or all: those that support the cage. A lattice has only its own type. A pose with "
+             "the name of its cage is the cage at rest")
         .required();
     line.add("--grid", row.grid,
              "measure at the points inside the cage of a grid with this many cells along its longest side, "
