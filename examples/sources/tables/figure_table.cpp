@@ -109,6 +109,7 @@ public:
 
     /// Prints the row of a type.
     void print(const Type& type) {
+        if (!type.is_wanted && !has_edges(type.choice.edges())) return;
         const auto cage = load_control(row_, figure_, type.choice);
         const auto coordinates = make(type.choice, cage);
         const auto bound = coordinates.bind(points_);
@@ -142,7 +143,7 @@ public:
                     report.reproduction_error.value,
                     std::round(1e4 * report.least_weight.value) / 1e4 + 0.0, // no -0
                     influences(binding));
-        print_distance(cage, binding);
+        print_distance(type.choice.takes_normals() || cage.lattice, binding);
         print_stretch(coordinates, handles);
         std::printf("\n");
     }
@@ -155,6 +156,15 @@ private:
         if (choice.takes_sites())
             return make_coordinates<double>(choice, SiteFile<D>{cage.name, cage.vertices, {}});
         return make_coordinates<double>(choice, cage);
+    }
+
+    /// Whether the edges of the cage can be read so: cells inside are not supported beside curves.
+    bool has_edges(CageEdges edges) const {
+        if constexpr (D == 2) {
+            if (edges == CageEdges::curves)
+                return !load_control(row_, figure_, CoordinatesChoice{}).has_cells();
+        }
+        return true;
     }
 
     /// The points of a grid with `grid` cells along the longest side of the cage that are inside.
@@ -195,18 +205,18 @@ private:
         return double(count) / double(binding.point_count());
     }
 
-    /// Prints the distance from harmonic weights, if both types have the vertices of the cage as handles.
-    void print_distance(const File<D>& cage, const Binding& binding) {
-        if (!harmonic_ && !cage.lattice) {
+    /// Prints the distance from harmonic weights, unless the type has other handles.
+    void print_distance(bool has_other_handles, const Binding& binding) {
+        if (has_other_handles) {
+            std::printf(" %11s", "-");
+            return;
+        }
+        if (!harmonic_) {
             CoordinatesChoice choice;
             choice.name = "harmonic";
             auto bound = make_coordinates<double>(choice, load_control(row_, figure_, choice)).bind(points_);
-            harmonic_ = std::move(bound.value); // empty if it fails
-        }
-        if (!harmonic_ || harmonic_->handle_count() != binding.handle_count() ||
-            harmonic_->point_count() != binding.point_count()) {
-            std::printf(" %11s", "-");
-            return;
+            if (!bound) throw Failure(describe_faults(row_.cage, bound.report));
+            harmonic_ = std::move(bound.value);
         }
         double sum = 0;
         for (std::size_t i = 0; i < binding.point_count(); ++i) {
