@@ -314,7 +314,7 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add("--locality", row.locality,
              "after each row of harmonic coordinates, a row of local ones: the locality, up to 40; 0: no row")
-        .range(0.0, 40.0)
+        .range(0.0, cageform::HarmonicOptions::most_locality)
         .show_default();
     line.set_footer(std::string(cage_formats) + "\n" + mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
