@@ -373,7 +373,7 @@ type_row "local harmonic" $types/biped_cage.csv $types/biped_pose.csv @_cage.obj
 type_row lattice $types/biped.lattice.json $types/biped_lattice.csv lattice:6x6x6 _lattice.obj
 set --
 while IFS='|' read -r caption file; do set -- "$@" "$caption" "$file"; done <$sheet
-"$programs/contact_sheet" -o out/every_type.svg --columns 6 --tile 300 --png --png-width 720 "$@"
+"$programs/contact_sheet" -o out/every_type.svg --columns 6 --tile 300 --png --png-width 700 "$@"
 set -- # of each figure: by all types in its cage, by its lattice
 for figure in character hand; do
   set -- "$@" $types/$figure.obj $types/${figure}_cage.obj $types/${figure}_pose.obj all

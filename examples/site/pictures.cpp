@@ -266,6 +266,28 @@ void draw_harmonic(const std::string& folder) {
     sheet.write(folder + "/coordinates_harmonic.svg");
 }
 
+/// Draws the weight of one vertex with several localities, in a cage with many vertices.
+void draw_local_harmonic(const std::string& folder) {
+    Points cage;
+    for (std::size_t k = 0; k < legs.size(); ++k) {
+        const Point &a = legs[k], &b = legs[(k + 1) % legs.size()];
+        const double parts = std::ceil(std::hypot(b[0] - a[0], b[1] - a[1]));
+        for (double n = 0; n < parts; ++n)
+            cage.push_back({std::lerp(a[0], b[0], n / parts), std::lerp(a[1], b[1], n / parts)});
+    }
+    const std::size_t marked = 12;
+    Sheet sheet({-0.4, -0.4}, 5.8, 3);
+    for (const double locality : {0.0, 20.0, 40.0}) {
+        sheet.panel(locality == 0 ? "harmonic: locality 0" : locality == 20 ? "locality 20" : "locality 40");
+        draw_weights(sheet, cageform::HarmonicCoordinates<double, 2>(cage, {.locality = locality}), marked,
+                     marked + 1);
+        sheet.cage(cage);
+        for (const Point& p : cage) sheet.dot(p);
+        sheet.dot(cage[marked], true);
+    }
+    sheet.write(folder + "/coordinates_local_harmonic.svg");
+}
+
 void draw_three_point(const std::string& folder) {
     const Points heptagon{{0.6, 1.2}, {1.7, 0.3}, {4.4, 0.6}, {4.8, 2.1}, {4.0, 4.1}, {2.2, 4.8}, {0.4, 3.2}};
     Sheet sheet({0, 0}, 5.2, 3);
@@ -442,6 +464,7 @@ int main(int count, char** arguments) {
               "a pose: the other leg hardly moves", folder + "/coordinates_maximum_entropy.svg");
     draw_fans(folder);
     draw_harmonic(folder);
+    draw_local_harmonic(folder);
     draw_three_point(folder);
     draw_green(folder);
     draw_curved_green(folder);

@@ -332,6 +332,36 @@ static double weight_and_move(const cageform_coordinates* coordinates, const dou
     return weights[handle];
 }
 
+/* The locality of harmonic coordinates. */
+static void test_locality(void) {
+    const cageform_cage cage = square_cage();
+    const double point[2] = {1, 1};
+    double weights[3];
+    cageform_coordinates* coordinates = NULL;
+    cageform_binding* binding = NULL;
+    cageform_coordinates_options options;
+    cageform_report report;
+    int n;
+    memset(&options, 0, sizeof options);
+    options.size = sizeof options;
+    options.type = CAGEFORM_HARMONIC;
+    options.scalar = CAGEFORM_DOUBLE;
+    report.size = sizeof report;
+    for (n = 0; n < 3; ++n, options.locality += 20) {
+        CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) == CAGEFORM_OK);
+        weights[n] = weight_and_move(coordinates, point, 4, 2, 2); /* of the far corner */
+        cageform_free(coordinates);
+    }
+    CHECK(weights[1] < 0.1 * weights[0]);
+    CHECK(weights[2] < 0.1 * weights[1]);
+    options.locality = 41;
+    CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) == CAGEFORM_OK);
+    CHECK(cageform_bind(coordinates, points_of(point, 1, CAGEFORM_DOUBLE, 2), NULL, NULL, NULL, NULL,
+                        &binding, &report) == CAGEFORM_LOCALITY_NOT_SUPPORTED);
+    CHECK(binding == NULL);
+    cageform_free(coordinates);
+}
+
 /* Cells inside a cage, and several cages. */
 static void test_cells_and_blends(void) {
     const double with_point[10] = {0, 0, 4, 0, 4, 4, 0, 4, 2, 2}, beside[2] = {2.25, 2}, both[2] = {3, 1};
@@ -1044,6 +1074,7 @@ int main(void) {
     }
     test_square();
     test_types();
+    test_locality();
     test_cells_and_blends();
     test_normals();
     test_made_cages();

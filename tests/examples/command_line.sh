@@ -275,6 +275,13 @@ report $ok "a coarse grid is warned of, with a resolution that will do"
 works "a finer grid" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --resolution 79 -o out.svg
 grep -q 'the grid is coarse' log && ok=no || ok=yes
 report $ok "that resolution will do"
+works "local harmonic coordinates" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --locality 20 -o local.svg
+works "harmonic coordinates" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --locality 0 -o global.svg
+cmp -s local.svg global.svg && ok=no || ok=yes
+report $ok "a locality changes the pose"
+for wrong in 41 -1 nan; do
+  refuses '--locality: ' "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates harmonic --locality $wrong -o out.svg
+done
 refuses '--pose' "$deform" "$cat" --cage "$cage" -o out.svg
 refuses 'missing/out.svg' "$deform" "$cat" --cage "$cage" --pose "$pose" -o missing/out.svg
 sed 's|</svg>|<path d="M 60 40 L 160 40 L 160 90 Z"/></svg>|' "$cat" >beside.svg
@@ -608,6 +615,9 @@ report $ok "why they are cut is said"
 works "an accuracy in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 -o accurate.obj --report
 grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
 report $ok "the adaptive grid is used, with the polygons as they are"
+works "local harmonic coordinates in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 --locality 20 -o local.obj
+cmp -s accurate.obj local.obj && ok=no || ok=yes
+report $ok "a locality changes the pose in space"
 refuses '--accuracy excludes --resolution' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --resolution 32 -o out.obj
 refuses '--accuracy excludes --tolerance' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --tolerance 1e-9 -o out.obj
 for wrong in -1 nan inf 1e-9 0.5 little; do

@@ -352,6 +352,16 @@ class Laws(unittest.TestCase):
             np.testing.assert_allclose(binding.weights()[:, :coordinates.vertices].sum(axis=1), 1, atol=1e-4)
         self.assertEqual(seen, set(cageform.Coordinates.kinds))
 
+    def test_locality(self):
+        """A locality lowers the weight of a far corner; out of range it is refused."""
+        cage = cageform.Cage.polygon(SQUARE)
+        far = [cageform.Coordinates(cage, 'harmonic', locality=locality).bind([(1, 1)]).weights()[0, 2] for locality in (0, 20, 40)]
+        self.assertLess(far[1], 0.1 * far[0])
+        self.assertLess(far[2], 0.1 * far[1])
+        for wrong in (41, -1, np.nan):
+            with self.assertRaises(errors.LocalityNotSupported):
+                cageform.Coordinates(cage, 'harmonic', locality=wrong).bind([(1, 1)])
+
     def test_cells(self):
         """A vertex inside is a handle: points around it follow it."""
         cage = cageform.Cage.polygon(SQUARE).with_cells([(1, 1), (3, 3), (3, 2)], bones=[(4, 4, 0.5)], walls=[(5, 6)])

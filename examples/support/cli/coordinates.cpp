@@ -101,7 +101,7 @@ void add_harmonic(CommandLine& line, CoordinatesChoice& choice) {
                                        .show_default();
     line.add("--locality", choice.harmonic.locality,
              "harmonic: weights decrease faster with the distance from a vertex, so that each point has "
-             "fewer; 20 leaves out a tenth of the weights above 1 %, 40 a fifth")
+             "fewer; 40 leaves out a fifth of the weights above 1 % in the plane, a tenth in space")
         .range(0.0, cageform::HarmonicOptions::most_locality)
         .show_default();
     if (choice.limits_memory) {

@@ -602,7 +602,7 @@ typedef struct cageform_coordinates_options {
     size_t memory_limit;    /* harmonic, in bytes; 0: 8 GiB */
     uint32_t sibson_degree; /* 1, or 3 (C1 at the sites); 0: 1 */
     uint32_t reserved;
-    double disk[3]; /* curves: centre and radius of a disk; radius 0: none */
+    double disk[3];  /* curves: centre and radius of a disk; radius 0: none */
     double locality; /* harmonic: 0, or for local harmonic coordinates up to 40; see HarmonicOptions */
 } cageform_coordinates_options;
 

@@ -177,6 +177,16 @@ export const tests = [
   },
 
   {
+    name: 'a locality lowers the harmonic weight of a far corner',
+    run({ cageform: { Cage, Coordinates } }) {
+      const far = [0, 20, 40].map(
+        locality => new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', locality }).bind([1, 1]).weights()[2],
+      );
+      assert(far[1] < 0.1 * far[0] && far[2] < 0.1 * far[1], `weights ${far}`);
+    },
+  },
+
+  {
     name: 'every type: weights sum to one, the rest pose is bitwise exact, translations are exact',
     run({ cageform }) {
       const random = randomOf(1);
@@ -615,6 +625,9 @@ export const tests = [
       );
       no('accuracy_not_supported', () =>
         new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: NaN }).bind([1, 1]),
+      );
+      no('locality_not_supported', () =>
+        new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', locality: 41 }).bind([1, 1]),
       );
       no('invalid_argument', () => new Coordinates(Cage.polygon(SQUARE), { accuracy: '3' }));
       no('invalid_argument', () => new Coordinates(Cage.polygon(SQUARE), null));

@@ -29,8 +29,7 @@ class Binding(bpy.types.PropertyGroup):
     accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, soft_min=1e-3, max=0.1, precision=4,
                                       description='Maximum error of a weight: smaller values make Bind slower')
     locality: bpy.props.FloatProperty(name='Locality', min=0, max=40, precision=1,
-                                      description='Fewer vertices of the cage move a point: 20 leaves out a tenth, '
-                                                  '40 a fifth')
+                                      description='Fewer vertices of the cage move a point: 40 leaves out a tenth')
     outside: bpy.props.EnumProperty(name='Outside', items=OUTSIDE,
                                     description='Motion of vertices outside the cage')
     falloff: bpy.props.FloatProperty(name='Falloff', min=0, subtype='DISTANCE',

@@ -30,7 +30,7 @@ struct HarmonicOptions {
     /// its width. SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
     /// κ times the diagonal of the box around the cage, of local harmonic coordinates (HarmonicCoordinates).
-    /// 0: harmonic coordinates. 20 leaves out a tenth of the weights above 1 %, 40 a fifth.
+    /// 0: harmonic coordinates. 40 leaves out a fifth of the weights above 1 % in 2D, a tenth in 3D.
     double locality = 0;
     /// The largest locality. With a larger one, the functions vanish in the middle of wide cages.
     static constexpr double most_locality = 40;
