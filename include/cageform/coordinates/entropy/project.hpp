@@ -60,7 +60,7 @@ struct SmallFactors {
 ///
 /// λ minimises the convex function F = ln Σ q e^(−λ·u), by Newton's method. If a step does not lower F
 /// enough, the step ln(1 + R)/R does, where R is the extent of the vectors along the step: |F'''| ≤ R F''
-/// along it.
+/// along it. After a short step d, weights are multiplied by a series of e^(−d·u).
 ///
 ///   X      a scalar or a register
 ///   U      u(k): the vector to handle k, a Vec<X, D>, at most a few units long
@@ -90,8 +90,10 @@ public:
         constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
         Vec<X, D> base{}, step{};
         X least(S(0)), decrease(S(0)), is_sure(one);
+        shift_ = zero;
+        Change change = Change::none;
         for (passes_ = 0; passes_ < most_passes; ++passes_) {
-            evaluate();
+            evaluate(change, step);
             const auto rises = least - X(S(0.25)) * decrease + X(rounding) * (one + abs(least)) < value_;
             const auto is_rejected = both(rises, is_sure < X(S(0.5)));
             if (any_of(both(is_rejected, skipped < X(S(0.5))))) {
@@ -99,6 +101,7 @@ public:
                 for (std::size_t c = 0; c < D; ++c)
                     multiplier_[c] = select(is_rejected, base[c] + shorter * step[c], multiplier_[c]);
                 is_sure = select(is_rejected, one, is_sure);
+                change = Change::any;
                 continue; // accepted lanes are evaluated again, with the same result
             }
             base = multiplier_;
@@ -108,12 +111,13 @@ public:
             for (std::size_t c = 0; c < D; ++c) decrease = decrease + step[c] * mean_[c];
             is_sure = zero;
             for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
+            change = is_short(step, skipped) ? Change::short_step : Change::any;
             const X is_done = select(decrease < tolerance, one, skipped);
             if (!any_of(is_done < X(S(0.5)))) {
                 if (needs_factors)
-                    evaluate();
+                    evaluate(change, step);
                 else
-                    evaluate_rows(shift_);
+                    evaluate_rows(change, step);
                 return select(decrease < tolerance, one, zero);
             }
         }
@@ -125,36 +129,73 @@ public:
     SmallFactors<X, D> factors() const noexcept { return {hessian_, floor_}; }
 
 private:
-    /// Computes the rows at the multiplier and their sum.
-    void evaluate_rows(const X& shift) noexcept {
-        sum_ = X(S(0));
-        for (std::size_t k = 0; k < q_.size(); ++k) {
-            rows_[k] = q_[k] * exp(-(inner(u_(k)) + shift));
-            sum_ = sum_ + rows_[k];
+    enum class Change : std::uint8_t { none, short_step, any }; ///< of the multiplier since the last rows
+
+    /// Whether d·u is small for all handles, in lanes that are not skipped.
+    static bool is_short(const Vec<X, D>& d, const X& skipped) noexcept {
+        constexpr S small_product = S(sizeof(S) == 4 ? 0x1p-4 : 0x1p-6);
+        X bound(S(0));
+        for (std::size_t c = 0; c < D; ++c) bound = bound + abs(d[c]);
+        return !any_of(X(small_product / most_length) < select(skipped < X(S(0.5)), bound, X(S(0))));
+    }
+    /// Returns e^x for short steps; the error is below rounding.
+    static X exp_of_short(const X& x) noexcept {
+        const X square = x * x, one(S(1));
+        const X third = X(S(1.0 / 2)) + x * X(S(1.0 / 6));
+        if constexpr (sizeof(S) == 4) return one + x + square * (third + square * X(S(1.0 / 24)));
+        return one + x +
+               square * (third + square * (X(S(1.0 / 24)) + x * X(S(1.0 / 120)) + square * X(S(1.0 / 720))));
+    }
+    /// Calls add(row, u) for each handle, with its row at the multiplier. Stores the rows.
+    ///
+    ///   step  the change of the multiplier, if it is short
+    template <class Add>
+    CAGEFORM_DETAIL_INLINE void for_each_row(Change change, const Vec<X, D>& step, const Add& add) noexcept {
+        const auto put = [&](std::size_t k, const X& row, const Vec<X, D>& u) {
+            rows_[k] = row;
+            add(row, u);
+        };
+        if (change == Change::none) {
+            for (std::size_t k = 0; k < q_.size(); ++k) put(k, q_[k], u_(k));
+        } else if (change == Change::short_step) {
+            for (std::size_t k = 0; k < q_.size(); ++k) {
+                const Vec<X, D> u = u_(k);
+                put(k, rows_[k] * exp_of_short(-inner(step, u)), u);
+            }
+        } else {
+            const X shift = least_exponent();
+            shift_ = shift;
+            for (std::size_t k = 0; k < q_.size(); ++k) {
+                const Vec<X, D> u = u_(k);
+                put(k, q_[k] * exp(-(inner(multiplier_, u) + shift)), u);
+            }
         }
     }
+    /// Computes the rows at the multiplier and their sum.
+    void evaluate_rows(Change change, const Vec<X, D>& step) noexcept {
+        X sum(S(0));
+        for_each_row(change, step, [&](const X& row, const Vec<X, D>&) { sum = sum + row; });
+        sum_ = sum;
+    }
     /// Computes the rows at the multiplier, their sum, F, the mean of u and the Hessian of F.
-    void evaluate() noexcept {
-        const X zero(S(0)), shift = least_exponent();
-        shift_ = shift;
-        sum_ = zero;
+    void evaluate(Change change, const Vec<X, D>& step) noexcept {
+        const X zero(S(0));
+        X sum = zero;
         Vec<X, D> first{};
         X second[D][D];
         for (std::size_t r = 0; r < D; ++r) {
             first[r] = zero;
             for (std::size_t c = 0; c <= r; ++c) second[r][c] = zero;
         }
-        for (std::size_t k = 0; k < q_.size(); ++k) {
-            const Vec<X, D> u = u_(k);
-            const X row = q_[k] * exp(-(inner(u) + shift));
-            rows_[k] = row;
-            sum_ = sum_ + row;
+        for_each_row(change, step, [&](const X& row, const Vec<X, D>& u) {
+            sum = sum + row;
             for (std::size_t r = 0; r < D; ++r) {
                 const X weighted = row * u[r];
                 first[r] = first[r] + weighted;
                 for (std::size_t c = 0; c <= r; ++c) second[r][c] = second[r][c] + weighted * u[c];
             }
-        }
+        });
+        sum_ = sum;
         const X inverse = X(S(1)) / sum_;
         X trace = zero, square = zero;
         for (std::size_t r = 0; r < D; ++r) {
@@ -169,7 +210,7 @@ private:
         if (any_of(trace < X(cancels) * square)) trace = recompute_hessian(inverse);
         constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
         floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
-        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift;
+        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift_;
     }
     /// Computes the Hessian with the mean subtracted first. Returns its trace.
     CAGEFORM_DETAIL_NO_INLINE X recompute_hessian(const X& inverse) noexcept {
@@ -188,9 +229,9 @@ private:
         for (std::size_t r = 0; r < D; ++r) trace = trace + hessian_[r][r];
         return trace;
     }
-    X inner(const Vec<X, D>& u) const noexcept {
-        X sum = multiplier_[0] * u[0];
-        for (std::size_t c = 1; c < D; ++c) sum = sum + multiplier_[c] * u[c];
+    static X inner(const Vec<X, D>& a, const Vec<X, D>& b) noexcept {
+        X sum = a[0] * b[0];
+        for (std::size_t c = 1; c < D; ++c) sum = sum + a[c] * b[c];
         return sum;
     }
     /// Returns what makes all exponents at most zero where they might overflow, else zero.
@@ -202,7 +243,7 @@ private:
         if (!any_of(X(safe / most_length) < bound)) return zero;
         X least((std::numeric_limits<S>::max)());
         for (std::size_t k = 0; k < q_.size(); ++k)
-            least = (min)(least, select(zero < q_[k], inner(u_(k)), least));
+            least = (min)(least, select(zero < q_[k], inner(multiplier_, u_(k)), least));
         return -least;
     }
     /// Returns the largest difference of d·u among handles with a positive prior.
