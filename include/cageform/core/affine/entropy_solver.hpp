@@ -78,15 +78,15 @@ public:
         , u_(u)
         , rows_(rows) {}
 
-    /// Returns 1 in lanes that converged, else 0.
+    /// Returns 1 in lanes that converged or are skipped, else 0. A lane's weights do not depend on other lanes.
     ///
-    ///   skipped        1 in lanes that need not converge, else 0
+    ///   skipped        1 in lanes whose weights are not needed, else 0
     ///   needs_factors  whether `factors` will be called
     X solve(const X& skipped, bool needs_factors) noexcept {
         const X zero(S(0)), one(S(1)), tolerance(sizeof(S) == 4 ? S(1e-8) : S(1e-15));
         constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
         Vec<X, D> base{}, step{};
-        X least(S(0)), decrease(S(0)), is_sure(one);
+        X least(S(0)), decrease(S(0)), is_sure(one), has_arrived(skipped);
         for (passes_ = 0; passes_ < most_passes; ++passes_) {
             evaluate();
             const auto rises = least - X(S(0.25)) * decrease + X(rounding) * (one + abs(least)) < value_;
@@ -101,20 +101,21 @@ public:
             base = multiplier_;
             least = value_;
             step = SmallFactors<X, D>(hessian_, floor_).solve(mean_);
+            for (X& s : step.v) s = select(X(S(0.5)) < has_arrived, zero, s);
             decrease = zero;
             for (std::size_t c = 0; c < D; ++c) decrease = decrease + step[c] * mean_[c];
             is_sure = zero;
             for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
-            const X is_done = select(decrease < tolerance, one, skipped);
-            if (!any_of(is_done < X(S(0.5)))) {
+            has_arrived = select(decrease < tolerance, one, has_arrived);
+            if (!any_of(has_arrived < X(S(0.5)))) {
                 if (needs_factors)
                     evaluate();
                 else
                     evaluate_rows(shift_);
-                return select(decrease < tolerance, one, zero);
+                break;
             }
         }
-        return select(decrease < tolerance, one, zero);
+        return has_arrived;
     }
     int passes() const noexcept { return passes_; }
     const Vec<X, D>& multiplier() const noexcept { return multiplier_; }
@@ -163,26 +164,29 @@ private:
         }
         // The difference cancels if nearly all weight is on distant handles of one direction.
         constexpr S cancels = sizeof(S) == 4 ? S(1e-2) : S(1e-5);
-        if (any_of(trace < X(cancels) * square)) trace = recompute_hessian(inverse);
+        const auto has_cancelled = trace < X(cancels) * square;
+        if (any_of(has_cancelled)) trace = recompute_hessian(inverse, has_cancelled);
         constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
         floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
         value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift;
     }
-    /// Computes the Hessian with the mean subtracted first. Returns its trace.
-    CAGEFORM_DETAIL_NO_INLINE X recompute_hessian(const X& inverse) noexcept {
-        const X zero(S(0));
-        X trace = zero;
-        for (auto& row : hessian_) {
-            for (X& entry : row) entry = zero;
+    /// Computes the Hessian with the mean subtracted first, in the lanes of a mask. Returns the trace.
+    template <class Mask>
+    CAGEFORM_DETAIL_NO_INLINE X recompute_hessian(const X& inverse, const Mask& wanted) noexcept {
+        X sum[D][D], trace(S(0));
+        for (auto& row : sum) {
+            for (X& entry : row) entry = X(S(0));
         }
         for (std::size_t k = 0; k < q_.size(); ++k) {
             const Vec<X, D> u = u_(k) - mean_;
             for (std::size_t r = 0; r < D; ++r) {
-                for (std::size_t c = 0; c <= r; ++c)
-                    hessian_[r][c] = hessian_[r][c] + inverse * rows_[k] * u[r] * u[c];
+                for (std::size_t c = 0; c <= r; ++c) sum[r][c] = sum[r][c] + inverse * rows_[k] * u[r] * u[c];
             }
         }
-        for (std::size_t r = 0; r < D; ++r) trace = trace + hessian_[r][r];
+        for (std::size_t r = 0; r < D; ++r) {
+            for (std::size_t c = 0; c <= r; ++c) hessian_[r][c] = select(wanted, sum[r][c], hessian_[r][c]);
+            trace = trace + hessian_[r][r];
+        }
         return trace;
     }
     X inner(const Vec<X, D>& u) const noexcept {
@@ -196,11 +200,12 @@ private:
         const X zero(S(0));
         X bound = zero;
         for (std::size_t c = 0; c < D; ++c) bound = bound + abs(multiplier_[c]);
-        if (!any_of(X(safe / most_length) < bound)) return zero;
+        const auto might_overflow = X(safe / most_length) < bound;
+        if (!any_of(might_overflow)) return zero;
         X least((std::numeric_limits<S>::max)());
         for (std::size_t k = 0; k < q_.size(); ++k)
             least = (min)(least, select(zero < q_[k], inner(u_(k)), least));
-        return -least;
+        return select(might_overflow, -least, zero);
     }
     /// Returns the largest difference of d·u among handles with a positive prior.
     X extent_along(const Vec<X, D>& d) const noexcept {
