@@ -90,8 +90,8 @@ public:
         for (passes_ = 0; passes_ < most_passes; ++passes_) {
             evaluate();
             const auto rises = least - X(S(0.25)) * decrease + X(rounding) * (one + abs(least)) < value_;
-            const auto is_rejected = both(rises, is_sure < X(S(0.5)));
-            if (any_of(both(is_rejected, skipped < X(S(0.5))))) {
+            const auto is_rejected = both(rises, is_sure + has_arrived < X(S(0.5)));
+            if (any_of(is_rejected)) {
                 const X extent = extent_along(step), shorter = log(one + extent) / extent;
                 for (std::size_t c = 0; c < D; ++c)
                     multiplier_[c] = select(is_rejected, base[c] + shorter * step[c], multiplier_[c]);

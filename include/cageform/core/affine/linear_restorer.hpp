@@ -121,7 +121,7 @@ private:
             auto accepted = zero < treat;
             const auto turns = accepted & (zero <= now.least) & (tried.least < zero);
             if (scratch != nullptr && any(turns)) {
-                const auto rounded = turns & (now.worst <= Simd(4) * enough); // left as it is
+                const auto rounded = turns & (now.worst <= Simd(2) * enough); // left as it is
                 treat = select<T>(rounded, zero, treat);
                 accepted = accepted ^ rounded ^ project(wanted, turns ^ rounded, row, now, *scratch);
             }
