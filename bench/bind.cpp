@@ -10,6 +10,7 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/maximum_entropy.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
 #include <cageform/parallel/threads.hpp>
@@ -24,6 +25,7 @@
 namespace {
 
 using namespace cageform_bench;
+using cageform::EntropyPrior;
 
 template <class T>
 void bind_barycentric(benchmark::State& state) {
@@ -162,6 +164,21 @@ void evaluate_vase(benchmark::State& state) {
     const auto cage = vase<of, T>();
     run_evaluate(state, cageform::MeanValueCoordinates<T, 3, std::remove_const_t<decltype(cage)>>(cage),
                  points_inside_vase(), wanted);
+}
+
+template <class T, Wanted wanted, EntropyPrior prior = EntropyPrior::facing>
+void evaluate_maximum_entropy(benchmark::State& state) {
+    const auto cage = star(std::size_t(state.range(1)));
+    run_evaluate(state, cageform::MaximumEntropyCoordinates<T, 2>(cage, prior),
+                 points_inside(cage, std::size_t(state.range(0))), wanted);
+}
+template <class T, Wanted wanted>
+void evaluate_maximum_entropy_mesh(benchmark::State& state) {
+    run_evaluate(state, cageform::MaximumEntropyCoordinates(bumpy112<T>()), points_inside_bumpy112(), wanted);
+}
+template <class T>
+void bind_maximum_entropy_mesh(benchmark::State& state) {
+    run_bind(state, cageform::MaximumEntropyCoordinates(bumpy112<T>()), points_inside_bumpy112());
 }
 
 /// Ju, Schaefer & Warren 2005, sec. 3, one point and face at a time. u: unit vectors to the corners of a
@@ -406,6 +423,21 @@ BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(mean_value_of_cgal, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(mean_value_of_cgal, again, true)->Apply(points_and_handles);
 #endif
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy, double, Wanted::weights)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy, float, Wanted::weights)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy, double, Wanted::weights, EntropyPrior::mec1)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy, double, Wanted::weights, EntropyPrior::mec2)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy, double, Wanted::gradients)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(bind_green, double)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_green, float)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_green, double, Wanted::weights)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
@@ -452,6 +484,10 @@ BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::triangles, Wanted::weights)->U
 BENCHMARK_TEMPLATE(evaluate_vase, float, VaseOf::polygons, Wanted::weights)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_vase, float, VaseOf::triangles, Wanted::weights)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::polygons, Wanted::gradients)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy_mesh, double, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy_mesh, float, Wanted::weights)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_maximum_entropy_mesh, double, Wanted::gradients)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_maximum_entropy_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);

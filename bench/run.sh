@@ -73,6 +73,10 @@ row mean value, space, 8,019 x 112, double: weights alone; evaluate_mean_value_m
 row mean value, space, 8,019 x 112, double: bind; bind_mean_value_mesh<double>; $plain; $in_double
 row mean value, space, 8,019 x 112, float: weights alone; evaluate_mean_value_mesh<float>; $plain; $in_float
 row mean value, space, 8,019 x 112, float: bind; bind_mean_value_mesh<float>; $plain; $in_float
+group bind 7
+row maximum entropy, plane, 10k x 25, double: weights alone; evaluate_maximum_entropy<double, Wanted::weights>/10000/25; mean value; evaluate_mean_value<double>/$at; writing weights; limit_write_weights/again/$at
+group bind 5
+row maximum entropy, space, 8,019 x 112, double: weights alone; evaluate_maximum_entropy_mesh<double, Wanted::weights>; mean value; evaluate_mean_value_mesh<double>; $in_double
 group grid 7
 row solve in the plane, 1024^2 x 25; $plane; papers' sweeps, to 1e-2; papers_sweeps<2>/n:1024; $plane_moved
 group grid 3

@@ -22,7 +22,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 31 "$1"
+  printf '[%d/%d] %s\n' $count 32 "$1"
 }
 mkdir -p out
 step "configure"
@@ -330,6 +330,56 @@ step "a hand"
 "$programs/make_hand" out >>$report
 "$programs/pose_hand" --pose fist --picture out/hand_fist.png
 "$programs/hand_sheet" out >out/hand.txt
+
+step "three poses by every coordinate type"
+# The types are those of the library's list that support the cage of the biped; the last row is a lattice.
+types=out/types
+mkdir -p $types
+"$programs/make_character" $types >>$report
+cp out/hand.obj $types
+"$programs/make_cage" $types/hand.obj --vertices 200 -o $types/hand_cage.obj >>$report
+for name in cage pose; do "$programs/pose_cage" "$data/biped_$name.svg" -o $types/biped_$name.csv >>$report; done
+"$programs/deform_mesh" $types/hand.obj --cage $types/hand_cage.obj --coordinates harmonic -o $types/hand_best.obj \
+  --turn 'y>0.76&x>-0.13&x<0.07:60,x@-0.03,0.72,0' --save-pose $types/hand_pose.obj
+"$programs/deform_mesh" $types/character.obj --cage $types/character_cage.obj --pose $types/character_pose.obj \
+  --coordinates harmonic -o $types/character_best.obj
+# A lattice has other handles, so its pose is fitted: in the plane to that of the cage, in space to the harmonic one.
+"$programs/make_cage" "$data/biped_cage.svg" --lattice 6x6 -o $types/biped.lattice.json >>$report
+"$programs/lattice_fit" "$data/biped_cage.svg" "$data/biped_pose.svg" --cage $types/biped.lattice.json \
+  -o $types/biped_lattice.csv >>$report
+for figure in character hand; do
+  "$programs/lattice_fit" $types/$figure.obj ${types}/${figure}_best.obj --cage lattice:6x6x6 -o $types/${figure}_lattice.obj >>$report
+done
+printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16 10"/>' >$types/none.svg
+sheet=$types/sheet.txt
+: >$sheet
+type_row() { # LABEL PLANE'S-CAGE ITS-POSE SPACE'S-CAGE ITS-POSE [OPTION ...]   cages and poses: what follows the name of the figure
+  label=$1 plane=$2 plane_pose=$3 space=$4 space_pose=$5
+  shift 5
+  "$programs/deform_svg" "$data/biped.svg" --cage "$plane" --pose "$plane_pose" "$@" -o "$types/biped $label.svg" --show-cage-lines \
+    2>/dev/null || return 0 # the type needs a convex cage or a simplex
+  echo "$label, in the plane|$types/biped $label.svg" >>$sheet
+  for figure in character hand; do
+    picture="$types/$figure $label.png"
+    "$programs/deform_mesh" $types/$figure.obj --cage "$(echo "$space" | sed "s|@|$types/$figure|")" --pose "$types/$figure$space_pose" "$@" \
+      -o $types/posed.obj --picture "$picture" 2>/dev/null || picture=$types/none.svg
+    echo "$label|$picture" | sed "/none.svg/s/.*|/not in space|/" >>$sheet
+  done
+}
+for type in $(sed -n 's/^    X(\([a-z0-9_]*\), .*/\1/p' include/cageform/coordinates/types.hpp | tr _ -); do
+  type_row $type $types/biped_cage.csv $types/biped_pose.csv @_cage.obj _pose.obj --coordinates $type
+done
+type_row lattice $types/biped.lattice.json $types/biped_lattice.csv lattice:6x6x6 _lattice.obj
+set --
+while IFS='|' read -r caption file; do set -- "$@" "$caption" "$file"; done <$sheet
+"$programs/contact_sheet" -o out/every_type.svg --columns 6 --tile 300 --png --png-width 720 "$@"
+set -- # of each figure: by all types in its cage, by its lattice
+for figure in character hand; do
+  set -- "$@" $types/$figure.obj $types/${figure}_cage.obj $types/${figure}_pose.obj all
+  set -- "$@" $types/$figure.obj lattice:6x6x6 $types/${figure}_lattice.obj splines
+done
+"$programs/figure_table" "$data/biped.svg" $types/biped_cage.csv $types/biped_pose.csv all \
+  "$data/biped.svg" $types/biped.lattice.json $types/biped_lattice.csv splines "$@" >out/every_type.txt
 
 step "heat maps"
 field() { # NAME CAGE VERTEX COORDINATES [OPTION ...]

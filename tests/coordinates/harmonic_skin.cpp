@@ -133,7 +133,8 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
     const bool is_prism = seed % 3 == 0;
     const auto mesh = is_prism ? u_prism() : random_mesh(std::uint64_t(seed)).mesh<double>();
     const cageform::CellComplex<double, 3> complex(mesh);
-    cageform::detail::TreeCage<3> cage(complex, 1e-12, true, 1);
+    const cageform::SolverInput<3> input(complex, {}, {});
+    cageform::detail::TreeCage<3> cage(input, true, 1);
     double leaves = 0;
     REQUIRE(cage.refine(0.02, 1e6, leaves, {}));
     const auto& boundary = cage.tree().boundary();

@@ -1960,6 +1960,10 @@ cp triangle.json "$(printf 'a < b & \377.json')"
 works "errors of known weights, from a file with signs in its name" "$programs/convergence" --oracle "$(printf 'a < b & \377.json')" -o errors.svg --png
 grep -q ', 32 cells: [0-9]* unknowns, 0.[0-9]* s, error ' log && grep -q ', accuracy 1e-03: ' log && ok=yes || ok=no
 report $ok "they are said of both grids"
+works "the distance of other types from known weights" "$programs/convergence" --oracle triangle.json --types
+grep -qx 'triangle, barycentric: 0.000 from the oracle' log && grep -qx 'triangle, maximum-entropy: 0.000 from the oracle' log && ok=yes || ok=no
+report $ok "all types are barycentric in a triangle"
+refuses 'output is required' "$programs/convergence" --oracle triangle.json
 sed 's/\[0.5, /[/' triangle.json >short.json
 printf '0.2,0.2,0.2;0:x\n' >word.txt
 cp box.obj cage.obj
@@ -1973,7 +1977,14 @@ grep -q '^cat  *green  *[0-9]*  *50 ' log && ok=yes || ok=no
 report $ok "by Green coordinates edges are handles"
 refuses 'vertex not convex (' "$table" "$cat" "$cage" "$pose" wachspress
 refuses 'not one of' "$table" "$cat" "$cage" "$pose" magic
-refuses 'arguments are FIGURE.svg' "$table" "$cat"
+refuses 'arguments are FIGURE CAGE POSE' "$table" "$cat"
+works "a table of all types, at a grid of points" "$table" --grid 40 "$data/biped.svg" "$data/biped_cage.svg" "$data/biped_pose.svg" all
+awk '$2 == "mean-value" { least = $8; folds = $11 } $2 == "maximum-entropy" { entropy = $8; better = $11 } $2 == "harmonic" { itself = $10 }
+  $2 == "barycentric" { extra = 1 } END { exit !(least < -0.2 && entropy == 0 && better > folds && itself == "0.000" && !extra) }' log && ok=yes || ok=no
+report $ok "by mean value the biped has negative weights and is deformed more; types that its cage does not support are left out"
+works "a table in space, and of a lattice" "$table" inner.obj box.obj bent_box.obj all inner.obj lattice:2x2x2 lattice:2x2x2 splines
+grep -q '^inner  *sibson-c1 ' log && grep -q '^inner  *splines  *3  *8 ' log && ok=yes || ok=no
+report $ok "they have rows of control points and of the lattice"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
 works "a sheet of pictures" "$programs/contact_sheet" -o sheet.svg "a field" field.png "at rest" "$cat"
 grep -q 'image/png;base64,iVBORw0KGgo' sheet.svg && ok=yes || ok=no

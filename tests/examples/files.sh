@@ -207,6 +207,7 @@ form coordinate_field --cage hexagon_cage.svg --vertex 0 --coordinates harmonic 
 form coordinate_field --cage auto --figure hexagon.svg --vertex 0 --size 40 -o out.png
 form cage_weights --cage square.csv --points points.csv --labels labels.txt -o out.csv
 form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
+form figure_table inner.obj box.obj bent_box.obj mean-value
 form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
 form deform_mesh inner.obj --cage box.obj --pins space_pins.csv --save-pose pinned.obj -o out.obj

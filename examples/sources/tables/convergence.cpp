@@ -1,10 +1,12 @@
 // Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of the
 // multigrid. It also shows the error of the weights against the cells of the uniform grid: with and without
 // corner treatment, and by the papers' sweeps. For oracles (weights known to many digits) it shows the error
-// against unknowns and seconds, on the uniform grid and on the adaptive one.
+// against unknowns and seconds, on the uniform grid and on the adaptive one. With --types it instead prints
+// how far the weights of other coordinate types are from those of oracles.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
+//     convergence --oracle harmonic2d_biped.json --types
 
 #include "averaging/averaged_coordinates.hpp"
 #include "cli/command_line.hpp"
@@ -343,21 +345,41 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
     }
 }
 
-/// Adds the oracle of a file; returns an error message, or empty.
-std::string add_oracle(const std::string& path, const char* colour, Diagrams& diagrams) {
+/// Prints the mean over points of Σ|w - h|, h the weights of the oracle, for the types that support its cage.
+template <std::size_t D>
+void print_types(const Oracle<D>& oracle) {
+    CoordinatesChoice choice;
+    choice.in_plane = D == 2;
+    for (const std::string& name : choice.names()) {
+        choice.name = name;
+        const auto [binding, report] = make_coordinates<double>(choice, oracle.cage).bind(oracle.points);
+        if (report.status != cageform::Status::ok) continue;
+        double sum = 0;
+        for (std::size_t i = 0; i < oracle.points.size(); ++i) {
+            for (std::size_t k = 0; k < oracle.weights[i].size(); ++k)
+                sum += std::fabs(binding.weight(i, k) - oracle.weights[i][k]);
+        }
+        std::cout << oracle.name << ", " << name << ": "
+                  << text_of("%.3f", sum / double(oracle.points.size())) << " from the oracle\n";
+    }
+}
+
+/// Calls f with the oracle of a file; returns an error message, or empty.
+template <class F>
+std::string with_oracle(const std::string& path, F&& f) {
     const auto text = read_file(path);
     if (!text) return to_string(text.error());
     if (path.ends_with(".txt")) {
-        add_oracle(read_oracle(path, *text), colour, diagrams);
+        f(read_oracle(path, *text));
         return {};
     }
     const std::string name = printable(std::filesystem::path(path).stem().string());
     try {
         const auto json = nlohmann::json::parse(*text);
         if (json.at("cage").contains("faces"))
-            add_oracle(oracle_of<3>(name, json), colour, diagrams);
+            f(oracle_of<3>(name, json));
         else
-            add_oracle(oracle_of<2>(name, json), colour, diagrams);
+            f(oracle_of<2>(name, json));
     } catch (const std::exception& error) {
         return path + ": " + error.what();
     }
@@ -439,14 +461,16 @@ int run_program(int argc, char** argv) {
         "Draws how harmonic coordinates converge. For cages in the plane: against cycles and cells. For "
         "oracles (known weights): against unknowns and seconds, on the uniform and the adaptive grid.");
     line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
-                       "--oracle harmonic2d_cat.json -o errors.svg"});
+                       "--oracle harmonic2d_cat.json -o errors.svg", "--oracle harmonic2d_cat.json --types"});
     std::vector<std::string> cage_paths, oracle_paths;
     std::string out_path;
-    bool png = false;
+    bool png = false, types = false;
     std::size_t resolution = 512;
     line.add("--cage", cage_paths, "SVG or CSV files, six at most").count(1, 6);
     line.add("--oracle", oracle_paths, "files of known weights, six at most").count(1, 6);
-    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
+    line.add("-o,--output", out_path, "the SVG file to write, required without --types").ends_with({".svg"});
+    line.add_flag("--types", types,
+                  "draw nothing; print the mean distance of each coordinate type's weights from the oracles");
     line.add("--resolution", resolution, "the number of cells of the grid whose cycles are shown")
         .range(16, 4096)
         .show_default();
@@ -460,6 +484,10 @@ int run_program(int argc, char** argv) {
             if (const InputFile file(path); !file.error().empty()) return fail(file.error());
         }
     }
+    for (std::size_t n = 0; types && n < oracle_paths.size(); ++n)
+        fail_if(with_oracle(oracle_paths[n], [](const auto& oracle) { print_types(oracle); }));
+    if (types) return 0;
+    if (out_path.empty()) return fail("output is required");
     fail_if(fault_of_outputs({out_path, png ? png_of(out_path) : ""}));
     Diagrams diagrams;
     for (std::size_t n = 0; n < cage_paths.size(); ++n) {
@@ -467,7 +495,8 @@ int run_program(int argc, char** argv) {
         fail_if(why);
     }
     for (std::size_t n = 0; n < oracle_paths.size(); ++n) {
-        fail_if(add_oracle(oracle_paths[n], colours[n], diagrams));
+        fail_if(with_oracle(oracle_paths[n],
+                            [&](const auto& oracle) { add_oracle(oracle, colours[n], diagrams); }));
     }
     OutputFiles outputs;
     add_svg(outputs, out_path, draw(diagrams, resolution), png ? 1100 : 0);

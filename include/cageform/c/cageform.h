@@ -603,6 +603,7 @@ typedef struct cageform_coordinates_options {
     uint32_t sibson_degree; /* 1, or 3 (C1 at the sites); 0: 1 */
     uint32_t reserved;
     double disk[3]; /* curves: centre and radius of a disk; radius 0: none */
+    double locality; /* harmonic: 0, or for local harmonic coordinates up to 40; see HarmonicOptions */
 } cageform_coordinates_options;
 
 /* Makes coordinates of a cage. Without `options`: mean value in float. */

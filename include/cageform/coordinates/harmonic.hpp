@@ -23,11 +23,19 @@ struct AdaptiveGrid {
 /// rectangles of a PolyhedralMesh the boundary values are bilinear; on other planar faces they are harmonic
 /// coordinates of the face; on fans (PolyhedralOptions) they are linear on each triangle.
 ///
+/// With HarmonicOptions::locality they are *local harmonic coordinates*: the functions solve ∇²s_i = κ² s_i
+/// with the same boundary values, so they decrease like e^(−κ · distance by paths inside the cage). The weights
+/// are the row nearest to s_i with sum 1 and Σ w_i C_i = p (coordinates/project.hpp). Points have fewer
+/// influences, at the cost of one harmonic solve. Weights of local barycentric coordinates (Zhang, Deng, Liu,
+/// Patanè, Bommes, Hormann, SIGGRAPH Asia 2014) decrease in the same way, but need a solve for all functions
+/// together, and are C⁰.
+///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. Weights of points on vertices, edges and faces are the exact boundary values. The functions
 /// depend on `T` only by rounding.
 ///
-///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
+///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid; inside, with a
+///             locality, to rounding
 ///   outside   undefined
 ///   smooth    C² inside the cage; C⁰ across walls and where a negative weight is replaced by 0. Weights jump
 ///             by about their error around 2D points with a radius, and in 3D if the cage has interior cells
@@ -38,8 +46,8 @@ struct AdaptiveGrid {
 ///             `solver_memory().block` bytes per thread, about 480 bytes per point in 2D and 1,500 in 3D.
 ///             The calling thread must take part in the work, and reports progress before each of its cycles
 ///   compiles  slowly, because the solver is a template; cageform::compiled has it in a library
-///   fails     as check(cage); accuracy_not_supported; resolution_not_supported if the cage is too small for
-///             its distance from the origin; grid_too_coarse; not_converged; cancelled; out_of_memory;
+///   fails     as check(cage); accuracy_not_supported; locality_not_supported; resolution_not_supported if the
+///             cage is too small for its distance from the origin; grid_too_coarse; not_converged; cancelled; out_of_memory;
 ///             solver_not_supported if the options have a resolution
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
     requires(D == 2 || D == 3)

@@ -39,17 +39,15 @@ public:
 
 // `MaximumEntropyCoordinates coordinates(cage)` deduces the scalar and the dimension.
 template <Scalar T>
-MaximumEntropyCoordinates(Polygon<T>) -> MaximumEntropyCoordinates<T, 2>;
-template <Scalar T>
-MaximumEntropyCoordinates(Polygon<T>, EntropyPrior) -> MaximumEntropyCoordinates<T, 2>;
+MaximumEntropyCoordinates(Polygon<T>, EntropyPrior = {}) -> MaximumEntropyCoordinates<T, 2>;
 template <Scalar T>
 MaximumEntropyCoordinates(TriangleMesh<T>) -> MaximumEntropyCoordinates<T, 3>;
 template <Scalar T>
 MaximumEntropyCoordinates(PolyhedralMesh<T>) -> MaximumEntropyCoordinates<T, 3, PolyhedralMesh<T>>;
 template <Scalar T, std::size_t D>
-MaximumEntropyCoordinates(CellComplex<T, D>) -> MaximumEntropyCoordinates<T, D>;
+MaximumEntropyCoordinates(CellComplex<T, D>, EntropyPrior = {}) -> MaximumEntropyCoordinates<T, D>;
 template <PointRangeIn<2> R>
-MaximumEntropyCoordinates(const R&) -> MaximumEntropyCoordinates<range_scalar_t<R>, 2>;
+MaximumEntropyCoordinates(const R&, EntropyPrior = {}) -> MaximumEntropyCoordinates<range_scalar_t<R>, 2>;
 template <PointRangeIn<3> R, FaceRange F>
 MaximumEntropyCoordinates(const R&, const F&) -> MaximumEntropyCoordinates<range_scalar_t<R>, 3>;
 

@@ -47,14 +47,16 @@ export class Coordinates extends Owner {
       kind = USUAL[cages[0].kind],
       scalar = 'float32',
       accuracy = 0,
+      locality = 0,
       memoryLimit = 0,
       disk,
-    } = options(chosen, ['kind', 'scalar', 'accuracy', 'memoryLimit', 'disk']);
+    } = options(chosen, ['kind', 'scalar', 'accuracy', 'locality', 'memoryLimit', 'disk']);
     this.#Kind = scalarClass(scalar);
     const own = {
       type: choice(CHOICES.coordinateType, kind, 'kind'),
       scalar: scalarOf(this.#Kind),
       accuracy: number(accuracy, 'accuracy'),
+      locality: number(locality, 'locality'),
       memoryLimit: whole(memoryLimit, 'memoryLimit'),
       ...(disk === undefined ? {} : { disk: numbers(disk, 3, 'disk') }),
     };

@@ -104,6 +104,8 @@ export interface CoordinatesOptions {
   scalar?: Scalar;
   /** Harmonic: maximum error of a weight; 0: 1e-3. */
   accuracy?: number;
+  /** Harmonic: 0, or up to 40 for local harmonic coordinates, which have fewer influences. */
+  locality?: number;
   memoryLimit?: number;
   /** curved-green: x, y and radius of a disk. */
   disk?: readonly number[];

@@ -32,7 +32,8 @@ def is_in_scene(item):
 # ---- weights -----------------------------------------------------------------------------------------------------------
 
 def settings_of(binding):
-    return {'kind': binding.kind, 'accuracy': binding.accuracy, 'outside': binding.outside, 'falloff': binding.falloff}
+    return {'kind': binding.kind, 'accuracy': binding.accuracy, 'locality': binding.locality, 'outside': binding.outside,
+            'falloff': binding.falloff}
 
 
 def keep(binding, packed, bound, placed):
@@ -56,7 +57,7 @@ def drop(binding):
 
 
 def settings_as_bound(binding):
-    return dict(binding.data['settings'])
+    return {'locality': 0.0, **binding.data['settings']}  # 0.2.0 stored no locality
 
 
 def figure_of(binding):
@@ -151,15 +152,16 @@ def cage_of(points, mesh, is_mirrored=False):
     return library.Cage.mesh(points, faces, off_plane=1e-6 * float(np.ptp(points, axis=0).max()) if len(points) else 0)
 
 
-def coordinates_of(cage, kind, accuracy):
-    return library.Coordinates(cage, kind, np.float32, accuracy=accuracy if kind == 'harmonic' else 0)
+def coordinates_of(cage, settings):
+    options = {'accuracy': settings['accuracy'], 'locality': settings['locality']} if settings['kind'] == 'harmonic' else {}
+    return library.Coordinates(cage, settings['kind'], np.float32, **options)
 
 
 def coordinates_as_bound(binding):
     """Creates the coordinates of a binding again, from the cage at rest as it was bound."""
     settings, mirrored = settings_as_bound(binding), np.linalg.det(matrix_of(binding, 'from_cage')) < 0
     rest = figure_of(binding).rest()[:len(binding.cage.data.vertices)]
-    return coordinates_of(cage_of(rest, binding.cage.data, mirrored), settings['kind'], settings['accuracy'])
+    return coordinates_of(cage_of(rest, binding.cage.data, mirrored), settings)
 
 
 # ---- the shape key -----------------------------------------------------------------------------------------------------

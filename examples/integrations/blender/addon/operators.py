@@ -238,7 +238,7 @@ class Bind(Work):
         described = deform.cage_of(corners, cage.data, np.linalg.det(from_cage) < 0)
 
         def work(**running):
-            coordinates = deform.coordinates_of(described, settings['kind'], settings['accuracy'])
+            coordinates = deform.coordinates_of(described, settings)
             bound = coordinates.bind(points, outside=settings['outside'], falloff=settings['falloff'], **running)
             return bound, bound.pack()[0]
 

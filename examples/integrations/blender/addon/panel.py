@@ -64,6 +64,7 @@ class CAGEFORM_PT_panel(bpy.types.Panel):
         column.prop(binding, 'kind')
         if binding.kind == 'harmonic':
             column.prop(binding, 'accuracy')
+            column.prop(binding, 'locality')
         column.prop(binding, 'outside')
         if binding.outside != 'keep_in_place':
             column.prop(binding, 'falloff')

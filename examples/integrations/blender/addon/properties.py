@@ -28,6 +28,9 @@ class Binding(bpy.types.PropertyGroup):
     kind: bpy.props.EnumProperty(name='Type', items=KINDS, default='harmonic')
     accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, soft_min=1e-3, max=0.1, precision=4,
                                       description='Maximum error of a weight: smaller values make Bind slower')
+    locality: bpy.props.FloatProperty(name='Locality', min=0, max=40, precision=1,
+                                      description='Fewer vertices of the cage move a point: 20 leaves out a tenth, '
+                                                  '40 a fifth')
     outside: bpy.props.EnumProperty(name='Outside', items=OUTSIDE,
                                     description='Motion of vertices outside the cage')
     falloff: bpy.props.FloatProperty(name='Falloff', min=0, subtype='DISTANCE',

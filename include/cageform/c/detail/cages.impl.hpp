@@ -178,6 +178,7 @@ template <class T>
 CoordinateOptions<T> options_of(const cageform_coordinates_options& options) {
     CoordinateOptions<T> own;
     if (options.accuracy != 0) own.harmonic.accuracy = options.accuracy;
+    own.harmonic.locality = options.locality;
     if (options.memory_limit != 0) own.harmonic.memory_limit = options.memory_limit;
     if (options.sibson_degree != 0) own.sibson.degree = int(options.sibson_degree);
     if (options.disk[2] != 0)

@@ -24,8 +24,11 @@ class EntropyEvaluation : public MeanValueEvaluation<Cage> {
 
 public:
     using Base::Base;
-    explicit EntropyEvaluation(Cage cage, EntropyPrior prior)
-        : Base(std::move(cage))
+    /// As the constructor from `cage` alone: a cage, a cell complex, or vertices.
+    template <class Any>
+        requires std::constructible_from<Base, const Any&>
+    explicit EntropyEvaluation(const Any& cage, EntropyPrior prior)
+        : Base(cage)
         , prior_(prior) {}
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
@@ -82,60 +85,7 @@ private:
             for (std::size_t c = 0; c < D; ++c) to[c] = X(vertices[k][c]) - p[c];
             return to;
         };
-        auto& q = memory.rows.weights;
-        if constexpr (has_gradient<N>) {
-            for (std::size_t k = 0; k < q.size(); ++k) memory.prior[k] = q[k].value;
-            EntropySolver<X, D, decltype(u)> solver(memory.prior, u, memory.weights);
-            const X converged = solver.solve(skipped, has_gradient<N>);
-            // One more step with derivatives: λ' = K⁻¹ ∂(Σ w u), and Σ w u = 0.
-            const auto place = [&](std::size_t k) {
-                Vec<N, D> to;
-                const Vec<X, D> value = u(k);
-                for (std::size_t c = 0; c < D; ++c) {
-                    to[c] = N(value[c]);
-                    to[c].gradient[c] = X(S(-1));
-                }
-                return to;
-            };
-            Vec<N, D> mean{}, multiplier;
-            for (std::size_t c = 0; c < D; ++c) multiplier[c] = N(solver.multiplier()[c]);
-            const X inverse = X(S(1)) / solver.sum();
-            const auto weight = [&](std::size_t k, const Vec<N, D>& to) { // w_k, with the slope of q e^(−λ·u)
-                N exponent{};
-                for (std::size_t c = 0; c < D; ++c) exponent = exponent - multiplier[c] * to[c];
-                const X value = inverse * memory.weights[k], q_value = memory.prior[k];
-                const X over = X(S(1)) / select(X(S(0)) < q_value, q_value, X(S(1)));
-                N w(value);
-                for (std::size_t c = 0; c < D; ++c)
-                    w.gradient[c] = value * (over * q[k].gradient[c] + exponent.gradient[c]);
-                return w;
-            };
-            for (std::size_t k = 0; k < q.size(); ++k) {
-                const auto to = place(k);
-                const N w = weight(k, to);
-                for (std::size_t c = 0; c < D; ++c) mean[c] = mean[c] + w * to[c];
-            }
-            const auto factors = solver.factors();
-            for (std::size_t axis = 0; axis < D; ++axis) {
-                Vec<X, D> slope;
-                for (std::size_t c = 0; c < D; ++c) slope[c] = mean[c].gradient[axis];
-                slope = factors.solve(slope);
-                for (std::size_t c = 0; c < D; ++c) multiplier[c].gradient[axis] = slope[c];
-            }
-            N sum{};
-            for (std::size_t k = 0; k < q.size(); ++k) {
-                q[k] = weight(k, place(k));
-                sum = sum + q[k];
-            }
-            for (N& w : q) w = w / sum;
-            return converged;
-        } else {
-            EntropySolver<X, D, decltype(u)> solver(q, u, memory.weights);
-            const X converged = solver.solve(skipped, has_gradient<N>);
-            const X inverse = X(S(1)) / solver.sum();
-            for (X& w : memory.weights) w = w * inverse;
-            return converged;
-        }
+        return project_rows<N, D>(memory.rows.weights, u, memory.prior, memory.weights, skipped);
     }
     template <class N>
     static const std::vector<N>& result(const Memory<N>& memory) noexcept {

@@ -75,9 +75,13 @@ struct SolverInput {
         , data(its_data) {
         const auto bounds = bounds_of(given.vertices());
         tolerance = double(coincidence_tolerance(bounds));
+        screening = options.locality / double(bounds.diagonal());
+        screening *= screening;
         rounding = double(epsilon<typename C::scalar>) * double(bounds.magnitude());
     }
     Status status() const noexcept {
+        if (!(options.locality >= 0 && options.locality <= most_locality))
+            return Status::locality_not_supported;
         return cage.boundary().status() != Status::ok ? cage.boundary().status() : cage.status();
     }
 
@@ -87,6 +91,7 @@ struct SolverInput {
     HarmonicOptions options;
     double tolerance; ///< points within this distance of the boundary lie on it
     double rounding;  ///< rounding error of the given coordinates
+    double screening; ///< κ² of the equation Δu = κ²u; 0: Laplace
     detail::BoundaryData<D> data;
 };
 

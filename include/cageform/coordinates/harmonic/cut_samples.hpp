@@ -41,6 +41,9 @@ public:
         stencils_.add(nodes, vertices, handle_of);
     }
 
+    /// See StencilTable.
+    void scale_nodes(std::span<const float> factors) noexcept { stencils_.scale_nodes(factors); }
+
     /// Writes the rows of handles [first_handle, first_handle + count) for all points.
     ///
     ///   functions  functions.value(node): an array of at least `count` values. If functions.has(node) exists
@@ -58,13 +61,13 @@ public:
     }
 
     /// Divides the weights of each point by their sum, which differs from 1 after clamping of negative
-    /// values. Points without weights are unchanged.
+    /// values. Points whose weights have a sum of at most `least` are unchanged.
     template <Scalar T>
-    void normalise(BlockView<T> rows) const noexcept {
+    void normalise(BlockView<T> rows, double least) const noexcept {
         for (const std::size_t i : points_) {
             double sum = 0;
             for (std::size_t k = 0; k < rows.rows; ++k) sum += double(rows(i, k));
-            if (!(sum > 0.5) || sum == 1) continue;
+            if (!(sum > least) || sum == 1) continue;
             for (std::size_t k = 0; k < rows.rows; ++k) rows(i, k) = static_cast<T>(double(rows(i, k)) / sum);
         }
     }

@@ -1,6 +1,7 @@
 // Gradients of many functions at many points, by stencils of derivatives.
 #pragma once
 
+#include <cageform/coordinates/entropy/project.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -20,7 +21,14 @@ public:
         stencils_.add(nodes, vertices, handle_of);
     }
     /// Allocates the values of all functions.
-    void reserve() { values_.resize(points_.size() * handles_); }
+    ///
+    ///   places  of the points in order, in units of the cage
+    void reserve(std::vector<Vec<double, D>> places) {
+        places_ = std::move(places);
+        values_.resize(places_.size() * handles_);
+    }
+    /// See StencilTable.
+    void scale_nodes(std::span<const float> factors) noexcept { stencils_.scale_nodes(factors); }
 
     /// Computes values and derivatives of handles [first_handle, first_handle + count); see
     /// CutSamples::sample. Derivatives are written to row axis · #handles + handle.
@@ -62,11 +70,41 @@ public:
         }
     }
 
+    /// Replaces the derivatives by those of the projected values (entropy/project.hpp).
+    ///
+    ///   handles  #handles
+    template <Scalar T>
+    void project(BlockView<T> rows, std::span<const Vec<double, D>> handles) const {
+        using N = Dual<double, D>;
+        std::vector<N> row(handles_);
+        std::vector<double> prior(handles_), weights(handles_);
+        const double scale = unit_scale(bounds_of(handles));
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            double largest = 0;
+            for (std::size_t h = 0; h < handles_; ++h) {
+                N& value = row[h] = N((std::max)(values_[n * handles_ + h], 0.0));
+                largest = (std::max)(largest, value.value);
+                for (std::size_t axis = 0; axis < D; ++axis)
+                    value.gradient[axis] = double(rows(points_[n], axis * handles_ + h)) / scale;
+            }
+            if (!(largest > 0)) continue; // no stencil
+            // Small positive values make sure that the handles surround the place.
+            for (N& value : row) value = N(1 / largest) * value + N(1e-15);
+            const auto u = [&](std::size_t h) { return scale * (handles[h] - places_[n]); };
+            (void)project_rows<N, D>(std::span(row), u, prior, weights, 0);
+            for (std::size_t h = 0; h < handles_; ++h) {
+                for (std::size_t axis = 0; axis < D; ++axis)
+                    rows(points_[n], axis * handles_ + h) = static_cast<T>(scale * row[h].gradient[axis]);
+            }
+        }
+    }
+
 private:
     static constexpr std::size_t per_point = D + 1; ///< stencils per point
 
     std::size_t handles_;
     std::vector<std::size_t> points_;
+    std::vector<Vec<double, D>> places_; ///< parallel to points_
     StencilTable<D> stencils_;
     std::vector<double> values_; ///< #handles per point
 };

@@ -52,6 +52,19 @@ public:
         });
     }
 
+    /// Takes the factors of the unknowns (grid::TreeLinks::decay). Errors are then relative to the largest
+    /// factor around a point.
+    void scale_nodes(std::span<const float> decay) {
+        if (decay.empty()) return;
+        for (std::size_t n = 0; n < fine_.size(); ++n) {
+            float largest = 0;
+            for (const auto& [node, share] : fine_.nodes(n)) largest = (std::max)(largest, decay[node]);
+            size_.push_back(largest > 0 ? largest : 1);
+        }
+        fine_.scale_nodes(decay);
+        coarse_.scale_nodes(decay);
+    }
+
     std::size_t bytes() const noexcept { return fine_.bytes() + coarse_.bytes(); }
 
     /// Returns for each point the largest difference over functions [first, first + count).
@@ -66,7 +79,7 @@ public:
             double largest = 0;
             for (std::size_t k = 0; k < count; ++k)
                 largest = (std::max)(largest, std::fabs(fine[k] - coarse[k]));
-            errors.push_back(float(factor_ * largest));
+            errors.push_back(float(factor_ * largest) / (size_.empty() ? 1 : size_[n]));
         }
         return errors;
     }
@@ -100,7 +113,8 @@ private:
     }
 
     StencilTable<D> fine_, coarse_;
-    double factor_ = 1; ///< of differences
+    std::vector<float> size_; ///< per point: the largest factor of its nodes; empty: 1
+    double factor_ = 1;       ///< of differences
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

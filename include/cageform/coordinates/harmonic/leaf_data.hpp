@@ -46,6 +46,7 @@ public:
     /// Whether there are enough data for a linear function.
     bool is_valid() const noexcept { return data_.size() > D; }
     double size() const noexcept { return size_; } ///< side of the leaf
+    double screening() const noexcept { return tree_.screening(); }
     std::span<const Datum> data() const noexcept { return data_; }
     bool is_near() const noexcept { return is_near_; } ///< whether the leaf or a neighbour is cut or outside
 
@@ -183,6 +184,21 @@ protected:
         const std::uint32_t node = is_in_tree ? nodes_.find(index) : Nodes::none;
         if (node == Nodes::none) return;
         data_.push_back({p, weight(p), node, {}});
+    }
+
+    /// Turns harmonic polynomials into solutions of the screened equation (grid/tree/screening.hpp).
+    ///
+    ///   q          their argument, relative to the middle of the leaf, in leaf sizes
+    ///   degree_of  degree_of(k): the degree of polynomial k, ascending
+    template <class DegreeOf>
+    void screen(const Point& q, std::span<double> polynomials, const DegreeOf& degree_of) const noexcept {
+        if (!(screening() > 0)) return;
+        const double square = screening() * size_ * size_ * dot(q, q);
+        double factor = screened_factor<D>(0, square);
+        for (std::size_t k = 0; k < polynomials.size(); ++k) {
+            if (k > 0 && degree_of(k) != degree_of(k - 1)) factor = screened_factor<D>(degree_of(k), square);
+            polynomials[k] *= factor;
+        }
     }
 
     const grid::CutTree<D>& tree_;

@@ -57,7 +57,9 @@ public:
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + 2 * wedges_.size(); }
     /// Returns the values of these functions at a point. Values from `functions()` on are 0.
-    Values values(const Point& p) const noexcept {
+    ///
+    ///   is_screened  whether polynomials are turned into solutions of the screened equation
+    Values values(const Point& p, bool is_screened) const noexcept {
         const Point q = (1 / size_) * (p - middle_);
         const double x = q[0], y = q[1], z = q[2];
         const double xx = x * x, yy = y * y, zz = z * z;
@@ -77,6 +79,7 @@ public:
                       z * (2 * zz - 3 * xx - 3 * yy) / 6,
                       x * (4 * zz - xx - yy) / 6,
                       y * (4 * zz - xx - yy) / 6};
+        if (is_screened) screen(q, std::span(values).template first<polynomials>(), degree_of);
         for (std::size_t n = 0; n < wedges_.size(); ++n) {
             auto at = wedges_[n].place(p);
             at.r /= size_;
@@ -131,8 +134,9 @@ public:
 
     /// See ModelFit.
     void set(const LeafModel& model, std::span<const Point> points) {
-        ModelFit::set(model, points);
         has_layers_ = model.choose_vertices(patch_);
+        // The layers are harmonic: their share in the data needs harmonic polynomials.
+        ModelFit::set(model, points, !has_layers_);
         if (!has_layers_) return;
         unsigned unused_mirrors = 0;
         places_.clear();

@@ -87,8 +87,11 @@ public:
         : degree_(degree) {}
 
     /// Fits a model for evaluation at `points`.
-    void set(const Model& model, std::span<const Point>) {
+    ///
+    ///   is_screened  see LeafModel::values
+    void set(const Model& model, std::span<const Point>, bool is_screened = true) {
         model_ = &model;
+        is_screened_ = is_screened;
         blocks_ = block_count<double>(model.data().size());
         shares_ = model.is_near() ? &fitted(own_shares_) : &fitted_by_pattern();
     }
@@ -102,7 +105,7 @@ public:
         const auto data = model_->data();
         Values sum{};
         for (std::size_t n = 0; n < points.size(); ++n) {
-            const Values values = model_->values(points[n]);
+            const Values values = model_->values(points[n], is_screened_);
             for (std::size_t k = 0; k < values.size(); ++k) sum[k] += factors[n] * values[k];
         }
         row_.resize(blocks_);
@@ -131,6 +134,7 @@ private:
             const auto place = model_->place_in_leaf(datum);
             pattern_.append(place.begin(), place.end());
         }
+        if (is_screened_ && model_->screening() > 0) pattern_ += std::to_string(model_->size());
         const auto [known, is_new] = patterns_.try_emplace(pattern_);
         return is_new ? fitted(known->second) : known->second;
     }
@@ -140,7 +144,7 @@ private:
         weight_.resize(data.size());
         double trace = 0;
         for (std::size_t d = 0; d < data.size(); ++d) {
-            basis_[d] = model_->values(data[d].at);
+            basis_[d] = model_->values(data[d].at, is_screened_);
             weight_[d] = data[d].weight;
             trace += data[d].weight;
         }
@@ -162,6 +166,7 @@ private:
     }
 
     unsigned degree_;
+    bool is_screened_ = true;
     const Model* model_ = nullptr;
     std::size_t blocks_ = 0; ///< SIMD blocks of data
     const Shares* shares_ = nullptr;

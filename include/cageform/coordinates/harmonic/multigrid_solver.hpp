@@ -29,17 +29,18 @@ public:
         const Status status = detail::EmbeddedCage<D>::make(input, report, grid);
         if (status != Status::ok) return status;
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
-        made.emplace(std::move(*grid), input.options.multigrid);
+        made.emplace(std::move(*grid), input.options.multigrid, input.screening);
         report.cells = made->multigrid_.unknowns();
         return Status::ok;
     }
 
-    MultigridSolver(detail::EmbeddedCage<D> grid, const MultigridOptions& options)
+    MultigridSolver(detail::EmbeddedCage<D> grid, const MultigridOptions& options, double screening)
         : grid_(std::move(grid))
         , options_(options)
         , corners_(corners_of(grid_, options))
         , errors_(errors_of(grid_, corners_))
-        , multigrid_(grid_.problem().nodes, grid_.problem().cuts, corners_.sources())
+        , multigrid_(grid_.problem().nodes, grid_.problem().cuts, corners_.sources(), {},
+                     screening * grid_.lattice().spacing * grid_.lattice().spacing)
         , slots_(multigrid_.source_slots()) {
         corners_.set_slots(slots_);
     }

@@ -127,7 +127,7 @@ public:
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + (wedge_ ? 1 : 0); }
     /// Returns the values of these functions at a point. Values from `functions()` on are 0.
-    Values values(const Point& p) const noexcept {
+    Values values(const Point& p, bool /*is_screened*/) const noexcept {
         const Point z = (1 / size_) * (p - middle_);
         Values values{1};
         double re = 1, im = 0;
@@ -138,6 +138,7 @@ public:
             values[k] = re;
             values[k + 1] = im;
         }
+        screen(z, std::span(values).template first<polynomials>(), degree_of);
         if (wedge_) {
             auto at = field_.place_in(*wedge_, p);
             at.r /= size_;

@@ -4,6 +4,7 @@
 #include <cageform/cage/detail/indices.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/difference_gradients.hpp>
+#include <cageform/coordinates/harmonic/project_blocks.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -50,8 +51,13 @@ public:
     }
 
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const override {
-        return sample(batch, report, running,
-                      [&](std::span<const std::size_t> points) { return solver().samples(batch, points); });
+        const bool is_local = input_->screening > 0;
+        const Status status =
+            sample(batch, report, is_local ? running.subtask(0, 0.9) : running,
+                   [&](std::span<const std::size_t> points) { return solver().samples(batch, points); });
+        if (status != Status::ok || !is_local) return status;
+        return BlockProjection<T, D>(input_->cage.vertices().first(input_->handles))
+            .run(batch, running.subtask(0.9, 1));
     }
 
     /// Computes the gradients. With kept functions, a few blocks are processed at a time, so that their

@@ -36,7 +36,7 @@ struct SolutionHeader {
     std::uint64_t checksum = 0;                    ///< `hash_memory` of all bytes after this field
     std::uint32_t dimension = 0, scalar_bytes = 0; ///< scalar_bytes is always 0
     std::uint64_t cage_hash = 0;                   ///< of vertices and faces, in double
-    std::uint64_t grid_hash = 0;                   ///< of the grid's cells and boundary values
+    std::uint64_t grid_hash = 0;                   ///< of the grid's cells, boundary values and locality
     double accuracy = 0;                           ///< HarmonicOptions::accuracy
     std::uint64_t group_count = 0, nodes = 0, groups = 0;
     std::uint64_t grid_errors = 0, grid_error_count = 0;

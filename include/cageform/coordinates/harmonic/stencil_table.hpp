@@ -46,6 +46,12 @@ public:
         end_stencil();
     }
 
+    /// Multiplies the shares of all nodes by factors, one per node; without factors, does nothing.
+    void scale_nodes(std::span<const float> factors) noexcept {
+        if (factors.empty()) return;
+        for (auto& [node, share] : nodes_) share *= double(factors[node]);
+    }
+
     std::span<const Node> nodes(std::size_t n) const noexcept {
         const std::size_t begin = n == 0 ? 0 : ends_[n - 1].nodes;
         return {nodes_.data() + begin, ends_[n].nodes - begin};

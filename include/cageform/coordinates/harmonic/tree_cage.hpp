@@ -39,8 +39,9 @@ public:
     class Plan {
     public:
         ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
-        Plan(const C& cage, double tolerance, bool subtracts_kinks, const Running& running)
-            : planner_(boundary_of_tree(cage, tolerance, 1), running)
+        Plan(const SolverInput<D>& input, bool subtracts_kinks, const Running& running)
+            : planner_(boundary_of_tree(input.cage, input.tolerance, 1), running)
+            , locality_(input.options.locality)
             , subtracts_kinks_(subtracts_kinks) {}
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
         double leaves(double accuracy) const noexcept { return plan(accuracy).leaves; }
@@ -54,20 +55,22 @@ public:
 
     private:
         grid::RefinementPlan plan(double accuracy) const noexcept {
-            return planner_.plan(sizing(accuracy, subtracts_kinks_));
+            return planner_.plan(sizing(accuracy, locality_, subtracts_kinks_));
         }
         grid::RefinementPlanner<D> planner_;
+        double locality_;
         bool subtracts_kinks_;
     };
     static constexpr double least_accuracy = 1e-5, most_accuracy = 0.1;
 
     ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
-    TreeCage(const C& cage, double tolerance, bool subtracts_kinks, double scale = 1)
-        : cage_(cage)
-        , tolerance_(tolerance)
+    TreeCage(const SolverInput<D>& input, bool subtracts_kinks, double scale = 1)
+        : cage_(input.cage)
+        , tolerance_(input.tolerance)
+        , locality_(input.options.locality)
         , subtracts_kinks_(subtracts_kinks)
-        , boundary_(boundary_of_tree(cage, tolerance, scale))
-        , tree_(boundary_) {}
+        , boundary_(boundary_of_tree(cage_, tolerance_, scale))
+        , tree_(boundary_, input.screening * boundary_.unit() * boundary_.unit()) {}
     TreeCage(const TreeCage&) = delete;
     TreeCage& operator=(const TreeCage&) = delete;
     ~TreeCage() = default;
@@ -76,7 +79,13 @@ public:
     /// cell size, and within the accuracy on all cages with known solutions and on random cages. With a 3D
     /// near field, cells need not resolve the kinks of the data. They may be far larger than small facets and
     /// than the thickness of the domain (HarmonicOptions::accuracy). Without a near field, 3D errors are of
-    /// order two.
+    /// order two. With a locality, cells are at most `most_decay`/κ large.
+    static grid::RefinementOptions sizing(double accuracy, double locality, bool subtracts_kinks) noexcept {
+        constexpr double most_decay = 0.7;
+        auto options = sizing(accuracy, subtracts_kinks);
+        options.largest = (std::min)(options.largest, most_decay / (std::max)(locality, 1.0));
+        return options;
+    }
     static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
@@ -115,8 +124,8 @@ public:
 
     /// Refines the tree. Returns false if it needs more than `most` leaves; `leaves` is then an estimate.
     bool refine(double accuracy, double most, double& leaves, const Running& running) {
-        const bool whole = grid::refine(tree_, sizing(accuracy, subtracts_kinks_), std::size_t(most), finest_,
-                                        running.subtask(0, 0.8));
+        const bool whole = grid::refine(tree_, sizing(accuracy, locality_, subtracts_kinks_),
+                                        std::size_t(most), finest_, running.subtask(0, 0.8));
         leaves = whole ? double(tree_.cells().leaves()) : (std::max)(leaves, most + 1);
         if (whole) nodes_ = grid::nodes_of(tree_, running.subtask(0.8, 1));
         return whole;
@@ -261,7 +270,7 @@ private:
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 
     const C& cage_;
-    double tolerance_;
+    double tolerance_, locality_;
     bool subtracts_kinks_;
     grid::TreeBoundary<D> boundary_;
     grid::CutTree<D> tree_;

@@ -115,15 +115,14 @@ public:
             return Status::resolution_not_supported;
         const bool subtracts_kinks = D == 3 && is_blended(input);
         const double bytes_of_leaf = subtracts_kinks ? 500 : 340; // tree, hierarchy and a block, measured
-        const typename Cage::Plan plan(input.cage, input.tolerance, subtracts_kinks,
-                                       running.subtask(0, 0.05));
+        const typename Cage::Plan plan(input, subtracts_kinks, running.subtask(0, 0.05));
         double leaves = plan.leaves(accuracy);
         const double most =
             (std::min)(double(input.options.memory_limit) / bytes_of_leaf, 0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
         constexpr double few = 2e5; // quick to make; the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
-            cage = std::make_unique<Cage>(input.cage, input.tolerance, subtracts_kinks, plan.scale(accuracy));
+            cage = std::make_unique<Cage>(input, subtracts_kinks, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
@@ -155,7 +154,9 @@ public:
         , order_(cage_->cage().vertices().first(input.handles), width)
         , field_(field_of(*cage_, input))
         , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 0.9))
-        , errors_(grid_errors(running.subtask(0.9, 1))) {}
+        , errors_(grid_errors(running.subtask(0.9, 1))) {
+        errors_.scale_nodes(multigrid_.decay());
+    }
 
     SolverMemory memory() const noexcept {
         const std::size_t bytes =
@@ -224,6 +225,8 @@ public:
         header.group_count = groups();
         header.nodes = multigrid_.unknowns();
         header.grid_hash = hash_memory(multigrid_.data());
+        const double screening = cage_->tree().screening(); // files of harmonic functions have no such number
+        if (screening > 0) header.grid_hash = hash_memory(std::span(&screening, 1), header.grid_hash);
         cage_->for_each_cell([&](const auto& cell) {
             const std::array<double, D + 2> numbers = [&] {
                 std::array<double, D + 2> all{};
@@ -266,6 +269,7 @@ public:
         Samples samples;
         if (!field_) {
             for (const std::size_t i : points) samples.add(i, cage_->stencil(batch, i), ordered_data());
+            samples.scale_nodes(multigrid_.decay());
             return samples;
         }
         std::vector<Vec<double, D>> places;
@@ -285,6 +289,7 @@ public:
             if (nodes.empty() && vertices.empty()) batch.states[*next] = PointState::unreached;
             ++next;
         });
+        samples.scale_nodes(multigrid_.decay());
         return samples;
     }
     /// Whether the solver makes stencils of derivatives: if samples are C².
@@ -315,7 +320,9 @@ public:
             if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
             samples.add(i, nodes, vertices, position_of());
         });
-        samples.reserve();
+        samples.scale_nodes(multigrid_.decay());
+        for (Vec<double, D>& place : places) place = cage_->tree().boundary().in_cage(place);
+        samples.reserve(std::move(places));
         return samples;
     }
     template <class AnySamples, class Solved, Scalar T> // Solved: a Block or kept Functions
@@ -327,11 +334,15 @@ public:
     }
     template <Scalar T>
     void finish(const Samples& samples, BlockView<T> rows) const noexcept {
-        if (field_) samples.normalise(rows);
+        if (field_) samples.normalise(rows, is_local() ? 0 : 0.5);
     }
     template <Scalar T>
-    void finish(const GradientSamples& samples, BlockView<T> rows) const noexcept {
-        samples.finish(rows);
+    void finish(const GradientSamples& samples, BlockView<T> rows) const {
+        if (is_local()) {
+            samples.project(rows, handles());
+        } else {
+            samples.finish(rows);
+        }
     }
 
     double spacing(const Vec<double, D>& p) const noexcept { return cage_->spacing(p); }
@@ -408,6 +419,11 @@ private:
         return [this](std::uint32_t handle) { return order_.position(handle); };
     }
     detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
+    /// Whether the functions are those of local harmonic coordinates, which are projected.
+    bool is_local() const noexcept { return !multigrid_.decay().empty(); }
+    std::span<const Vec<double, D>> handles() const noexcept {
+        return cage_->cage().vertices().first(order_.size());
+    }
     /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
     /// Returns whether values need iterative refinement in double. In float, convergence stalls at about

@@ -33,13 +33,16 @@ struct Equations {
     }
 };
 
-/// Returns −∇² on the finest level, in units of the lattice.
+/// Returns −∇² + κ² on the finest level, in units of the lattice.
+///
+///   screening  κ², in units of the lattice
 template <std::size_t D>
-Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts) {
+Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts,
+                                       double screening) {
     using P = StencilPositions<D>;
     Equations<D> e;
     e.nodes = nodes;
-    e.regular[P::centre] = 2.0 * double(D);
+    e.regular[P::centre] = 2.0 * double(D) + screening;
     for (std::size_t p = 0; p < P::count; ++p) {
         if (P::distance(p) == 1) e.regular[p] = -1;
     }

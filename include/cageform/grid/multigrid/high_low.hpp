@@ -39,14 +39,13 @@ public:
     }
     /// Sets out = −A · solution, computed in double, at the nodes of a run of the finest level.
     template <std::size_t D>
-    void apply_minus_a(const RegularRun<D>& run, Buffer<NodeRow>& out) const noexcept {
+    void apply_minus_a(const RegularRun<D>& run, double diagonal, Buffer<NodeRow>& out) const noexcept {
         const auto to = run.nearest();
-        const auto add = [&to](NodeValues& sum, const NodeRow* here) {
+        const auto add = [&to, diagonal](NodeValues& sum, const NodeRow* here) {
             for (const auto step : to) {
                 for (std::size_t k = 0; k < functions_together; ++k) sum[k] += double(here[step][k]);
             }
-            for (std::size_t k = 0; k < functions_together; ++k)
-                sum[k] -= 2.0 * double(D) * double((*here)[k]);
+            for (std::size_t k = 0; k < functions_together; ++k) sum[k] -= diagonal * double((*here)[k]);
         };
         for (std::size_t i = run.first; i < run.first + run.count; ++i) {
             NodeValues sum{};

@@ -106,15 +106,17 @@ public:
     ///   cuts     every link of an unknown that does not end at an unknown
     ///   sources  further nodes with a right-hand side
     ///   running  its parallel_for makes the levels
+    ///   screening  κ² of the equation −∇²u + κ²u = b, in units of the lattice
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources,
-              const Running& running = {})
-        : unknowns_(nodes.count()) {
+              const Running& running = {}, double screening = 0)
+        : unknowns_(nodes.count())
+        , diagonal_(2.0 * double(D) + screening) {
         // −∇²(R² − |x|²)/2D = 1. So in a ball of radius R around the nodes, an error is at most R²/2D times
         // the largest residual.
         double squares = 0;
         for (const auto n : nodes.size()) squares += 0.25 * (double(n) + 1) * (double(n) + 1);
         reach_ = squares / (2.0 * double(D));
-        auto equations = detail::shortley_weller_equations<D>(nodes, cuts);
+        auto equations = detail::shortley_weller_equations<D>(nodes, cuts, screening);
         if constexpr (D == 1) {
             for (std::uint32_t node = 0; node < unknowns_; ++node) {
                 if (equations.is_irregular(node)) source_nodes_.push_back(node);
@@ -369,7 +371,8 @@ private:
         block.refined_ = true;
         const auto& share = block.share_;
         share.for_ranges(level.runs.size(), few_runs, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t r = begin; r < end; ++r) base.apply_minus_a(level.runs[r], block.fields_[0].b);
+            for (std::size_t r = begin; r < end; ++r)
+                base.apply_minus_a(level.runs[r], diagonal_, block.fields_[0].b);
         });
         share.for_ranges(source_count(), few_nodes, [&](std::size_t begin, std::size_t end) {
             for (std::size_t j = begin; j < end; ++j) apply_a(base, j, block.refined_source_[j]);
@@ -385,7 +388,7 @@ private:
             base.add_to(sum, level.irregular[j].node, level.irregular[j].diagonal);
             for (const auto& entry : level.entries_of(j)) base.add_to(sum, entry.node, -double(entry.weight));
         } else {
-            base.add_to(sum, source_nodes_[j], 2.0 * double(D));
+            base.add_to(sum, source_nodes_[j], diagonal_);
             for (const auto node : inner_neighbours_[j - level.irregular.size()])
                 base.add_to(sum, node, -1.0);
         }
@@ -411,6 +414,7 @@ private:
     static constexpr std::size_t refine_every = 2;
 
     std::uint32_t unknowns_;
+    double diagonal_;                       ///< of the regular stencil
     double reach_ = 1;                      ///< the largest error of an interior node for a residual of 1
     std::vector<detail::Level<D>> levels_;  ///< the finest first; empty in one dimension
     detail::DenseSolver coarsest_solver_;   ///< empty if the coarsest level is large

@@ -20,25 +20,26 @@ struct FinestLevel {
     using Vector = Simd<float>;
     using Rows = typename Level<D>::Range;
     static constexpr std::size_t colours = 2;
-    static constexpr float diagonal = 2.0f * float(D); ///< of the regular stencil
 
     LevelFields<D> fields;
 
     void relax(Rows rows, std::uint32_t colour) const noexcept {
         if (colour == 0) relax_irregular(*this, rows);
+        const Vector inverse(1 / fields.level.diagonal);
         for (const auto& run : fields.level.runs_of(rows)) {
             for_each_second(run, run.first_of(colour),
-                            [](NodeRow& u, const Vector& sum) { (sum * Vector(1 / diagonal)).store(u); });
+                            [&](NodeRow& u, const Vector& sum) { (sum * inverse).store(u); });
         }
     }
     /// Restricts the residual. Regular nodes of the second colour have no residual, because they were
     /// relaxed last.
     void restrict_residual(Rows rows, Residual& largest) const noexcept {
+        const Vector diagonal(fields.level.diagonal);
         for (const auto& run : fields.level.runs_of(rows)) {
             const std::uint32_t begin = run.first_of(0);
             RunRestriction<D> restriction(run, run.x + std::int32_t(begin), fields.coarser->b.data());
             for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
-                const Vector residual = sum - Vector(diagonal) * Vector::load(u);
+                const Vector residual = sum - diagonal * Vector::load(u);
                 largest.add(residual);
                 restriction.add_second(residual);
             });
@@ -49,12 +50,13 @@ struct FinestLevel {
     /// Returns the largest residuals of all nodes.
     Residual residual() const noexcept {
         Residual largest;
+        const Vector diagonal(fields.level.diagonal);
         for (std::size_t j = 0; j < fields.level.irregular.size(); ++j)
             largest.add(irregular_residual(*this, j), fields.level.irregular[j].row_sum);
         for (const auto& run : fields.level.runs) {
             for (const std::uint32_t begin : {0u, 1u}) {
                 for_each_second(run, begin, [&](const NodeRow& u, const Vector& sum) {
-                    largest.add(sum - Vector(diagonal) * Vector::load(u));
+                    largest.add(sum - diagonal * Vector::load(u));
                 });
             }
         }

@@ -21,9 +21,11 @@ public:
     using Cell = typename CellTree<D>::Cell;
     using Index = typename CellTree<D>::Index;
 
-    explicit CutTree(const TreeBoundary<D>& boundary)
+    ///   screening  κ² of the equation Δu = κ²u that is solved on the tree, in units of the tree
+    explicit CutTree(const TreeBoundary<D>& boundary, double screening = 0)
         : boundary_(&boundary)
-        , tree_(boundary.depth()) {
+        , tree_(boundary.depth())
+        , screening_(screening) {
         for (std::uint32_t n = 0; n < boundary.elements(); ++n) facets_.push_back(n);
         ranges_.push_back({0, std::uint32_t(facets_.size())});
         states_.push_back(CellState::cut);
@@ -31,6 +33,7 @@ public:
 
     const TreeBoundary<D>& boundary() const noexcept { return *boundary_; }
     const CellTree<D>& cells() const noexcept { return tree_; }
+    double screening() const noexcept { return screening_; }
     CellState state(std::uint32_t cell) const noexcept { return states_[cell]; }
     /// Returns the leaf at a point. For a point outside the cube, returns the leaf at the nearest point of
     /// the cube.
@@ -166,6 +169,7 @@ private:
 
     const TreeBoundary<D>* boundary_;
     CellTree<D> tree_;
+    double screening_;
     Buffer<std::uint32_t> facets_;
     Buffer<Range> ranges_;     ///< per cell
     Buffer<CellState> states_; ///< per cell

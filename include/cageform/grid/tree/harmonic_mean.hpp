@@ -12,7 +12,7 @@
 // constrained least-squares problem.
 #pragma once
 
-#include <cageform/core/vec.hpp>
+#include <cageform/grid/tree/screening.hpp>
 
 #include <algorithm>
 #include <array>
@@ -32,19 +32,25 @@ public:
     void clear() noexcept { count_ = 0; }
     std::size_t count() const noexcept { return count_; }
     /// Adds a point by its offset from the centre. Scale the offsets to about 1 or less.
-    void add(const Vec<double, 2>& offset) noexcept {
+    ///
+    ///   screening  κ² of the equation Δu = κ²u, in units of the offsets. If it is not 0, solutions of that
+    ///              equation replace the powers of z (screened_factor), and the sum of the weights is below 1
+    void add(const Vec<double, 2>& offset, double screening) noexcept {
         Moments& m = moments_[count_];
         constexpr double nearest = 0.03; // lower bound of the distance for the prior
         const double square = (std::max)(dot(offset, offset), nearest * nearest);
         prior_[count_++] = 1 / (square * square);
-        m[0] = 1;
+        const auto factor = [square = screening * dot(offset, offset)](std::size_t degree) {
+            return square > 0 ? screened_factor<2>(unsigned(degree), square) : 1.0;
+        };
+        m[0] = factor(0);
         double re = 1, im = 0;
         for (std::size_t k = 1; k <= most_degree; ++k) {
             const double next = re * offset[0] - im * offset[1];
             im = re * offset[1] + im * offset[0];
             re = next;
-            m[2 * k - 1] = re;
-            m[2 * k] = im;
+            m[2 * k - 1] = re * factor(k);
+            m[2 * k] = im * factor(k);
         }
     }
 

@@ -32,9 +32,12 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     static constexpr std::uint32_t none = Nodes::none;
 
-    TreeCoarsener(const grid::CutTree<D>& tree, const Nodes& nodes, const Running& running)
+    ///   decay  TreeLinks::decay
+    TreeCoarsener(const grid::CutTree<D>& tree, const Nodes& nodes, std::span<const float> decay,
+                  const Running& running)
         : tree_(tree)
         , nodes_(nodes)
+        , decay_(decay)
         , running_(running)
         , merges_at_(tree.cells().cells(), 0)
         , number_(nodes.count()) {
@@ -155,6 +158,9 @@ private:
                         gather.gather(*leaf, tree_.facets(leaf->number),
                                       node_position<D>(nodes_.index(fine[n])));
                 }
+                for (auto& entry :
+                     std::span(rows.entries).subspan(decay_.empty() ? rows.entries.size() : sink.begin))
+                    entry.weight *= decay_[left_[entry.column]] / decay_[fine[n]]; // interpolates u linearly
                 rows.end_row();
             }
         };
@@ -166,6 +172,7 @@ private:
 
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
+    std::span<const float> decay_;
     const Running& running_;
     Buffer<std::uint8_t> merges_at_; ///< per cell: the first level on which it is a leaf
     Buffer<std::uint32_t> number_;   ///< per node of the finest level: index on the current level, or none

@@ -1,7 +1,7 @@
 // The discretisation of the Laplace equation on the tree: one row of a sparse matrix per node.
 //
 // Every row has the form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value) with
-// positive weights. The corrections of a near field are an exception: they also add negative weights of
+// positive weights. The diagonal is their sum plus NodeEquation::screening. The corrections of a near field are an exception: they also add negative weights of
 // boundary values (coordinates/harmonic/near_rows.hpp). The matrix is not symmetric: if the equation of node
 // a contains node b, the equation of b need not contain a.
 // grid/tree/node_equation.hpp has the formulas, grid/tree/hierarchy.hpp makes coarser levels from these rows,
@@ -26,6 +26,8 @@ struct TreeLinks {
     Buffer<TreeData> data;  ///< sorted by handle, then by node
     Buffer<float> volume;   ///< per node: the product over the axes of the mean link length
     double least_share = 1; ///< the smallest factor of a second difference (shares_of_axes)
+    /// Per node: the factor g of the unknown v in u = g v; empty: 1 (detail::scale_by_decay).
+    Buffer<float> decay;
 
     void append(const TreeLinks& other) {
         equations.append(other.equations);
@@ -43,7 +45,7 @@ namespace detail {
 template <std::size_t D, class Data>
 void append_row(const NodeEquation<D>& equation, const Data& data, grid::TreeLinks& out) {
     auto& [neighbours, diagonals] = out.equations;
-    double diagonal = 0;
+    double diagonal = equation.screening;
     for (const auto& term : equation.terms) {
         if (term.node != grid::TreeNodes<D>::none) {
             neighbours.entries.push_back({term.node, float(term.weight)});
@@ -89,6 +91,46 @@ inline void sort_data(Buffer<grid::TreeData>& data) {
     data = std::move(sorted);
 }
 
+/// Replaces the unknowns u of a screened equation by v = u/g, g = e^(−κd). d is the distance of a node from the
+/// nearest node with data, along links. u decreases like g away from the boundary, so v is about 1 there:
+/// limits of v are limits of the relative error of u. Rows are multiplied by g too.
+///
+///   rate  κ, in units of the tree
+template <std::size_t D>
+void scale_by_decay(double rate, const grid::TreeNodes<D>& nodes, grid::TreeLinks& links) {
+    detail::LevelRows& neighbours = links.equations.neighbours;
+    const std::size_t count = links.equations.diagonal.size();
+    Buffer<float> distance(count, (std::numeric_limits<float>::max)());
+    for (const auto& entry : links.data) distance[entry.node] = 0;
+    bool changes = true;
+    const auto update = [&](std::uint32_t n) {
+        const auto here = node_position<D>(nodes.index(n));
+        for (const auto& entry : neighbours.of(n)) {
+            const auto there = node_position<D>(nodes.index(entry.column));
+            const float to = distance[entry.column] + float(length(there - here));
+            if (!(to < distance[n])) continue;
+            distance[n] = to;
+            changes = true;
+        }
+    };
+    while (changes) { // Morton order has near nodes close together, so that a few sweeps suffice
+        changes = false;
+        for (std::uint32_t n = 0; n < count; ++n) update(n);
+        for (auto n = std::uint32_t(count); n-- > 0;) update(n);
+    }
+    constexpr double least = 1e-12; // products of two factors times weights are normal floats
+    links.decay.reserve(count);
+    for (const float d : distance)
+        links.decay.push_back(float((std::max)(std::exp(-rate * double(d)), least)));
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const auto g = double(links.decay[n]);
+        links.equations.diagonal[n] *= g * g;
+        for (auto& entry : neighbours.of(n))
+            entry.weight = float(g * double(links.decay[entry.column]) * double(entry.weight));
+    }
+    for (auto& entry : links.data) entry.weight *= links.decay[entry.node];
+}
+
 } // namespace detail
 namespace grid {
 
@@ -117,6 +159,7 @@ TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data
     });
     detail::sort_data(links.data);
     links.equations.neighbours.shrink_to_fit();
+    if (tree.screening() > 0) detail::scale_by_decay(std::sqrt(tree.screening()), nodes, links);
     return links;
 }
 

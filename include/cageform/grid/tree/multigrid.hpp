@@ -83,13 +83,17 @@ public:
                   const Running& running = {})
         : data_(std::move(links.data))
         , diagonal_(links.equations.diagonal)
-        , levels_(detail::TreeCoarsener<D>(tree, nodes, running).make(std::move(links.equations))) {}
+        , decay_(std::move(links.decay))
+        , levels_(detail::TreeCoarsener<D>(tree, nodes, decay(), running).make(std::move(links.equations))) {}
 
     std::uint32_t unknowns() const noexcept { return levels_[0].nodes(); }
     std::span<const detail::TreeLevel> levels() const noexcept { return levels_; }
     std::span<const TreeData> data() const noexcept { return {data_.data(), data_.size()}; }
+    /// See TreeLinks::decay.
+    std::span<const float> decay() const noexcept { return {decay_.data(), decay_.size()}; }
     std::size_t bytes() const noexcept {
-        std::size_t sum = data_.capacity() * sizeof(TreeData) + diagonal_.capacity() * sizeof(double);
+        std::size_t sum = data_.capacity() * sizeof(TreeData) + diagonal_.capacity() * sizeof(double) +
+                          decay_.capacity() * sizeof(float);
         for (const auto& level : levels_) sum += level.bytes();
         return sum;
     }
@@ -430,6 +434,7 @@ private:
 
     Buffer<TreeData> data_;
     Buffer<double> diagonal_;
+    Buffer<float> decay_;
     std::vector<detail::TreeLevel> levels_; ///< the finest first
 };
 

@@ -21,6 +21,10 @@
 // axes. The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J.
 // Comput. Phys. 218 (2006)). Here the error terms are computed from second moments of the interpolation,
 // which may end on the boundary. Linear functions are exact, and the order at these nodes is two.
+//
+// For the screened equation Δu = κ²u (CutTree::screening), the mean of formula 1 is exact for the solution
+// that depends only on the distance from the node. Formula 2 replaces each harmonic polynomial by the
+// solution with the same angular factor (grid/tree/screening.hpp). Formula 3 gains the term κ²u.
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
@@ -28,7 +32,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The equation Σ weight · (u(node) − u(term)) = 0 of one node, multiplied by the volume around the node.
+/// The equation Σ weight · (u(node) − u(term)) + screening · u(node) = 0 of one node, multiplied by the volume
+/// around the node.
 template <std::size_t D>
 struct NodeEquation {
     /// A node, or a point on the boundary. Each node occurs in at most one term.
@@ -43,6 +48,7 @@ struct NodeEquation {
     std::int32_t smallest, largest; ///< sizes of leaves around the node
     std::vector<Term> terms;
     double volume;
+    double screening = 0;   ///< zero for the Laplace equation
     double least_share = 1; ///< the smallest factor of a second difference (shares_of_axes)
 };
 
@@ -71,6 +77,7 @@ public:
         equation_.index = nodes_.index(node);
         equation_.terms.clear();
         equation_.least_share = 1;
+        equation_.screening = 0;
         const auto about = leaves_about(tree_, equation_.index);
         equation_.smallest = equation_.largest = about.smallest()->size;
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
@@ -180,7 +187,13 @@ private:
                     there[k] += ((n >> k) & 1u) != 0 ? size : 0;
                     apart += there[k] != equation_.index[k] ? 1 : 0;
                 }
-                if (apart > 0) add_node(nodes_.find(there), weights[apart] * (D == 2 ? 1 : size));
+                if (apart == 0) continue;
+                const double weight = weights[apart] * (D == 2 ? 1 : size);
+                add_node(nodes_.find(there), weight);
+                if (tree_.screening() > 0) {
+                    const double square = tree_.screening() * double(apart) * size * size;
+                    equation_.screening += weight * (screened_factor<D>(0, square) - 1);
+                }
             }
         }
         equation_.volume = std::pow(double(size), double(D));
@@ -200,17 +213,21 @@ private:
         if constexpr (D == 2) {
             if (!star_.collect(equation_.index, about)) return false;
             mean_.clear();
-            for (const auto& point : star_.points()) mean_.add((1 / star_.size()) * point.offset);
+            const double screening = tree_.screening() * star_.size() * star_.size();
+            for (const auto& point : star_.points()) mean_.add((1 / star_.size()) * point.offset, screening);
             if (mean_.solve(HarmonicMean::most_degree, 3) == 0) return false;
-            double moment = 0;
-            for (std::size_t n = 0; n < mean_.count(); ++n)
+            double moment = 0, sum = 0;
+            for (std::size_t n = 0; n < mean_.count(); ++n) {
                 moment += mean_.weight(n) * dot(star_.points()[n].offset, star_.points()[n].offset);
+                sum += mean_.weight(n);
+            }
             // The mean over the star is u + (moment/4) Δu + …, since Δr² = 4.
             for (std::size_t n = 0; n < mean_.count(); ++n) {
                 const auto& point = star_.points()[n];
                 const double weight = mean_.weight(n) * 4 * equation_.volume / moment;
                 if (weight > 0) equation_.terms.push_back({point.node, weight, point.value});
             }
+            if (tree_.screening() > 0) equation_.screening = (1 - sum) * 4 * equation_.volume / moment;
             return true;
         }
         return false;
@@ -218,6 +235,7 @@ private:
     /// Formula 3.
     void add_differences(const std::array<std::array<double, 2>, D>& c) {
         const auto shares = shares_of_axes(c);
+        equation_.screening = tree_.screening() * equation_.volume;
         for (std::size_t n = 0; n < 2 * D; ++n) {
             const double weight = equation_.volume * shares[n / 2] * c[n / 2][n % 2];
             const auto& end = sides_[n].end;

@@ -221,7 +221,8 @@ harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, 
     HarmonicMean mean;
     const auto take_points = [&] {
         mean.clear();
-        for (const auto& point : star.points()) mean.add((1 / star.size()) * point.offset);
+        const double screening = tree.screening() * star.size() * star.size();
+        for (const auto& point : star.points()) mean.add((1 / star.size()) * point.offset, screening);
     };
     take_points();
     if (mean.solve_signed(most_degree, 3, largest_sum) == 0) {

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 _DEFAULTS = {_c.CAGEFORM_LATTICE: 'splines', _c.CAGEFORM_SITES: 'sibson', _c.CAGEFORM_CURVES: 'curved-green'}
 
 
-def _options(kind: str, dtype: npt.DTypeLike, accuracy: float, memory_limit: int) -> Any:
+def _options(kind: str, dtype: npt.DTypeLike, accuracy: float, memory_limit: int, locality: float) -> Any:
     return arrays.struct(_c.cageform_coordinates_options, type=arrays.choice(_c.CHOICES['coordinate_type'], kind, 'kind'),
-                         scalar=arrays.scalar_of(dtype), accuracy=accuracy, memory_limit=memory_limit)
+                         scalar=arrays.scalar_of(dtype), accuracy=accuracy, memory_limit=memory_limit,
+                         locality=locality)
 
 
 class Coordinates(Owner):
@@ -37,6 +38,7 @@ class Coordinates(Owner):
     accuracy      harmonic: maximum error of a weight, 1e-5 to 0.1; 0: 1e-3
     memory_limit  harmonic: maximum memory of the solver in bytes; 0: 8 GiB
     disk          curved-green: (x, y, radius) of a disk
+    locality      harmonic: 0, or up to 40 for local harmonic coordinates, which have fewer influences
 
     Attributes: report, cage (blended: a list), dtype, handles (their number, including the vectors of 'green'),
     vertices (number of handles that are points), dimension, has_weights_outside, has_gradients
@@ -45,17 +47,17 @@ class Coordinates(Owner):
     kinds: Tuple[str, ...] = tuple(_c.CHOICES['coordinate_type'])
 
     def __init__(self, cage: Cage, kind: Optional[str] = None, dtype: npt.DTypeLike = np.float64, accuracy: float = 0,
-                 memory_limit: int = 0, disk: Optional[Tuple[float, float, float]] = None) -> None:
+                 memory_limit: int = 0, disk: Optional[Tuple[float, float, float]] = None, locality: float = 0) -> None:
         if kind is None:
             kind = _DEFAULTS.get(cage.kind, 'mean-value')
-        options = _options(kind, dtype, accuracy, memory_limit)
+        options = _options(kind, dtype, accuracy, memory_limit, locality)
         if disk is not None:
             options.disk[:] = arrays.doubles(disk, 'disk', 3, 'of x, y, radius').tolist()
         self._adopt(cage, dtype, *make(library.cageform_coordinates_create, cage._describe(), options))
 
     @classmethod
     def blend(cls, cages: Sequence[Cage], kind: str = 'mean-value', dtype: npt.DTypeLike = np.float64,
-              accuracy: float = 0, memory_limit: int = 0) -> Coordinates:
+              accuracy: float = 0, memory_limit: int = 0, locality: float = 0) -> Coordinates:
         """Makes coordinates of several cages over one figure, such as a body and a head: polygons, or meshes of
         triangles. Where cages overlap, weights are blended by depth. The handles of the first cage come first, then
         those of the next. The kind is 'mean-value' or 'harmonic'; the other arguments are as above. The culprit is the
@@ -64,7 +66,8 @@ class Coordinates(Owner):
         listed = (ctypes.POINTER(_c.cageform_cage) * max(len(described), 1))(*[ctypes.pointer(its) for its in described])
         its = cls.__new__(cls)
         its._adopt(list(cages), dtype, *make(library.cageform_coordinates_blend, ctypes.cast(listed, ctypes.c_void_p),
-                                             len(described), _options(kind, dtype, accuracy, memory_limit)))
+                                             len(described),
+                                             _options(kind, dtype, accuracy, memory_limit, locality)))
         return its
 
     def _adopt(self, cage: Union[Cage, List[Cage]], dtype: npt.DTypeLike, handle: Handle, report: Report) -> None:
