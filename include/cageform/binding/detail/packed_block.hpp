@@ -51,9 +51,9 @@ public:
         return rows;
     }
 
-    /// Restores the row sums of the points by the smallest change of their weights (2-norm). Where this change
-    /// would make the first weights of a point negative, they are projected instead. Returns the largest
-    /// change.
+    /// Restores the row sums of the points by the smallest change of their weights (2-norm). Where this
+    /// change would make the first weights of a point negative, they are projected instead. Returns the
+    /// largest change.
     Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {

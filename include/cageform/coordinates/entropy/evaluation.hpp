@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/coordinates/entropy/facing.hpp>
+#include <cageform/coordinates/entropy/project.hpp>
 #include <cageform/coordinates/entropy/published.hpp>
 #include <cageform/coordinates/mean_value/evaluation.hpp>
-#include <cageform/core/affine/entropy_solver.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
