@@ -239,7 +239,7 @@ TEST_CASE("a locality out of range is refused, and stored functions of another l
         CHECK(status_of(wrong, cageform::AdaptiveGrid{}) == Status::locality_not_supported);
         CHECK(status_of(wrong, cageform::UniformGrid{}) == Status::locality_not_supported);
     }
-    CHECK(status_of(cageform::most_locality, cageform::UniformGrid{}) == Status::ok);
+    CHECK(status_of(HarmonicOptions::most_locality, cageform::UniformGrid{}) == Status::ok);
     HarmonicCoordinates<double, 2> local(square, {.accuracy = 0.05, .locality = 20});
     const auto saved = local.save_solution();
     REQUIRE(saved);

@@ -103,7 +103,7 @@ void add_harmonic(CommandLine& line, CoordinatesChoice& choice) {
              "harmonic: weights decrease faster with the distance from a vertex, so that each point has "
              "fewer; 20 "
              "leaves out a tenth of the weights above 1 %, 40 a fifth")
-        .range(0, cageform::most_locality)
+        .range(0, cageform::HarmonicOptions::most_locality)
         .show_default();
     if (choice.limits_memory) {
         line.add_number(

@@ -23,12 +23,10 @@ struct AdaptiveGrid {
 /// rectangles of a PolyhedralMesh the boundary values are bilinear; on other planar faces they are harmonic
 /// coordinates of the face; on fans (PolyhedralOptions) they are linear on each triangle.
 ///
-/// With HarmonicOptions::locality they are *local harmonic coordinates*: the functions solve ∇²s_i = κ² s_i
-/// with the same boundary values, so they decrease like e^(−κ · distance by paths inside the cage). The weights
-/// are the row nearest to s_i with sum 1 and Σ w_i C_i = p (coordinates/project.hpp). Points have fewer
-/// influences, at the cost of one harmonic solve. Weights of local barycentric coordinates (Zhang, Deng, Liu,
-/// Patanè, Bommes, Hormann, SIGGRAPH Asia 2014) decrease in the same way, but need a solve for all functions
-/// together, and are C⁰.
+/// With HarmonicOptions::locality they are *local harmonic coordinates*. Their functions solve ∇²s_i = κ²s_i
+/// with the same boundary values, and decrease like e^(−κd) with the distance d by paths inside the cage. The
+/// weights are the row nearest to the s_i with sum 1 and Σ w_i C_i = p (coordinates/project.hpp). Points have
+/// fewer influences, at the cost of a harmonic solve.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
 /// sec. 3 and 4. Weights of points on vertices, edges and faces are the exact boundary values. The functions
@@ -47,7 +45,8 @@ struct AdaptiveGrid {
 ///             The calling thread must take part in the work, and reports progress before each of its cycles
 ///   compiles  slowly, because the solver is a template; cageform::compiled has it in a library
 ///   fails     as check(cage); accuracy_not_supported; locality_not_supported; resolution_not_supported if the
-///             cage is too small for its distance from the origin; grid_too_coarse; not_converged; cancelled; out_of_memory;
+///             cage is too small for its distance from the origin; grid_too_coarse; not_converged; cancelled;
+///             out_of_memory;
 ///             solver_not_supported if the options have a resolution
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
     requires(D == 2 || D == 3)

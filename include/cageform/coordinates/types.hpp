@@ -46,7 +46,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(curved_green, CURVED_GREEN, curves, with_normals, extended,                                            \
       "green for cages of curves, in the plane", CurvedGreenCoordinates<T>(cage, options.curved_green))      \
     X(sibson_c1, SIBSON_C1, sites, vertices, undefined,                                                      \
-      "sibson of degree 3: smooth at the points too", SibsonCoordinates<T, D>(cage, options.sibson_c1()))               \
+      "sibson of degree 3: smooth at the points too", SibsonCoordinates<T, D>(cage, options.sibson_c1()))    \
     X(maximum_entropy, MAXIMUM_ENTROPY, polygon | triangles | fans, vertices, undefined,                     \
       "weights in [0, 1], without a grid", MaximumEntropyCoordinates(cage))                                  \
     X(mec_1, MEC_1, polygon, vertices, undefined,                                                            \

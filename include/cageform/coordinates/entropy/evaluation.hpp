@@ -112,7 +112,7 @@ private:
         const double near_distance = this->scale_ * this->tolerance_;
         const auto found = prior<N, S>(for_number<N>(this->frame_, this->gradient_frame_),
                                        limits_at<S>(near_distance), p, memory.rows);
-        // Inside, the sum is at least 2π (4π in space) over the diagonal (Hormann, Floater 2006, section 4.1).
+        // Inside, the sum is at least 2π (4π in space) over the diagonal (Hormann, Floater 2006, sec. 4.1).
         const X one(S(1)), zero(S(0));
         const X skipped = select(found.sum < one, one, found.special);
         const X converged = project<N, S>(vertices<N>(), p, skipped, memory);

@@ -3,7 +3,8 @@
 //     q_k = Σ_f √μ_f w_fk     over the facets f of vertex k whose inner side is towards p
 //
 // m_f is the integral of the unit vectors from p over the projection of facet f to the unit circle or sphere
-// about p, μ_f = |m_f|, and w_fk are the mean value weights: Σ_k w_fk (C_k − p) = m_f. All terms are positive.
+// about p, μ_f = |m_f|, and w_fk are the mean value weights: Σ_k w_fk (C_k − p) = m_f. All terms are
+// positive.
 #pragma once
 
 #include <cageform/coordinates/mean_value/plane.hpp>

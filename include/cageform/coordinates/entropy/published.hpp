@@ -1,9 +1,10 @@
-// The published priors of maximum entropy coordinates in the plane (Hormann, Sukumar, Maximum entropy coordinates
-// for arbitrary polytopes, SGP 2008):
+// The published priors of maximum entropy coordinates in the plane (Hormann, Sukumar, Maximum entropy
+// coordinates for arbitrary polytopes, SGP 2008):
 //
 //     q_k = 1/(ρ_(k−1) ρ_k)     ρ of the two edges of vertex k
 //
-// With the vectors a and b to the ends of an edge: MEC-1 has ρ = |a| + |b| − |a − b|, and MEC-2 ρ = |a||b| + a·b.
+// With the vectors a and b to the ends of an edge: MEC-1 has ρ = |a| + |b| − |a − b|, and MEC-2 has
+// ρ = |a||b| + a·b.
 #pragma once
 
 #include <cageform/coordinates/mean_value/plane.hpp>

@@ -80,7 +80,7 @@ struct SolverInput {
         rounding = double(epsilon<typename C::scalar>) * double(bounds.magnitude());
     }
     Status status() const noexcept {
-        if (!(options.locality >= 0 && options.locality <= most_locality))
+        if (!(options.locality >= 0 && options.locality <= HarmonicOptions::most_locality))
             return Status::locality_not_supported;
         return cage.boundary().status() != Status::ok ? cage.boundary().status() : cage.status();
     }

@@ -21,9 +21,6 @@ inline constexpr std::size_t least_resolution = 8;
 template <std::size_t D>
 inline constexpr std::size_t most_resolution = D == 2 ? 16384 : 1024;
 
-/// The largest HarmonicOptions::locality. With a larger one, the functions vanish in the middle of wide cages.
-inline constexpr double most_locality = 40;
-
 struct HarmonicOptions {
     /// AdaptiveGrid: the error of weights, 1e-5 … 0.1, for which the grid is made (harmonic/tree_solver.hpp).
     /// In 2D all errors are within it, in 3D those of 93 to 100 % of the points, depending on the cage. The
@@ -32,9 +29,11 @@ struct HarmonicOptions {
     /// near field (harmonic/near_rows.hpp); their errors can reach 0.1 at points nearer to a small face than
     /// its width. SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
-    /// κ times the diagonal of the box around the cage, 0 … most_locality, of local harmonic coordinates
-    /// (HarmonicCoordinates). 0: harmonic coordinates. 20 leaves out a tenth of the weights above 1 %.
+    /// κ times the diagonal of the box around the cage, of local harmonic coordinates (HarmonicCoordinates).
+    /// 0: harmonic coordinates. 20 leaves out a tenth of the weights above 1 %, 40 a fifth.
     double locality = 0;
+    /// The largest locality. With a larger one, the functions vanish in the middle of wide cages.
+    static constexpr double most_locality = 40;
     /// UniformGrid: number of cells along the cage's longest side, 8 … 16384, in 3D 8 … 1024. UniformGrid
     /// ignores `accuracy`. AdaptiveGrid: 0.
     std::size_t resolution = 0;

@@ -1,9 +1,9 @@
 // The discretisation of the Laplace equation on the tree: one row of a sparse matrix per node.
 //
 // Every row has the form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value) with
-// positive weights. The diagonal is their sum plus NodeEquation::screening. The corrections of a near field are an exception: they also add negative weights of
-// boundary values (coordinates/harmonic/near_rows.hpp). The matrix is not symmetric: if the equation of node
-// a contains node b, the equation of b need not contain a.
+// positive weights. The diagonal is their sum plus NodeEquation::screening. The corrections of a near field are
+// an exception: they also add negative weights of boundary values (coordinates/harmonic/near_rows.hpp). The
+// matrix is not symmetric: if the equation of node a contains node b, the equation of b need not contain a.
 // grid/tree/node_equation.hpp has the formulas, grid/tree/hierarchy.hpp makes coarser levels from these rows,
 // and grid/tree/multigrid.hpp solves them.
 #pragma once
@@ -91,9 +91,9 @@ inline void sort_data(Buffer<grid::TreeData>& data) {
     data = std::move(sorted);
 }
 
-/// Replaces the unknowns u of a screened equation by v = u/g, g = e^(−κd). d is the distance of a node from the
-/// nearest node with data, along links. u decreases like g away from the boundary, so v is about 1 there:
-/// limits of v are limits of the relative error of u. Rows are multiplied by g too.
+/// Replaces the unknowns u of a screened equation by v = u/g, g = e^(−κd). d is the distance of a node from
+/// the nearest node with data, along links. The sum of all functions u decreases about like g, so the sum of
+/// all v is of the order of 1: limits of errors of v are relative to u. Rows are multiplied by g too.
 ///
 ///   rate  κ, in units of the tree
 template <std::size_t D>

@@ -32,8 +32,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The equation Σ weight · (u(node) − u(term)) + screening · u(node) = 0 of one node, multiplied by the volume
-/// around the node.
+/// The equation Σ weight · (u(node) − u(term)) + screening · u(node) = 0 of one node, multiplied by the
+/// volume around the node.
 template <std::size_t D>
 struct NodeEquation {
     /// A node, or a point on the boundary. Each node occurs in at most one term.
