@@ -332,7 +332,7 @@ step "a hand"
 "$programs/hand_sheet" out >out/hand.txt
 
 step "three poses by every coordinate type"
-# The types are those of the library's list that support the cage of the biped; the last row is a lattice.
+# The types are those of the library's list that support the cage of the biped; the last two rows are local harmonic coordinates and a lattice.
 types=out/types
 mkdir -p $types
 "$programs/make_character" $types >>$report
@@ -369,6 +369,7 @@ type_row() { # LABEL PLANE'S-CAGE ITS-POSE SPACE'S-CAGE ITS-POSE [OPTION ...]   
 for type in $(sed -n 's/^    X(\([a-z0-9_]*\), .*/\1/p' include/cageform/coordinates/types.hpp | tr _ -); do
   type_row $type $types/biped_cage.csv $types/biped_pose.csv @_cage.obj _pose.obj --coordinates $type
 done
+type_row "local harmonic" $types/biped_cage.csv $types/biped_pose.csv @_cage.obj _pose.obj --coordinates harmonic --locality 20
 type_row lattice $types/biped.lattice.json $types/biped_lattice.csv lattice:6x6x6 _lattice.obj
 set --
 while IFS='|' read -r caption file; do set -- "$@" "$caption" "$file"; done <$sheet
@@ -378,7 +379,7 @@ for figure in character hand; do
   set -- "$@" $types/$figure.obj $types/${figure}_cage.obj $types/${figure}_pose.obj all
   set -- "$@" $types/$figure.obj lattice:6x6x6 $types/${figure}_lattice.obj splines
 done
-"$programs/figure_table" "$data/biped.svg" $types/biped_cage.csv $types/biped_pose.csv all \
+"$programs/figure_table" --locality 20 "$data/biped.svg" $types/biped_cage.csv $types/biped_pose.csv all \
   "$data/biped.svg" $types/biped.lattice.json $types/biped_lattice.csv splines "$@" >out/every_type.txt
 
 step "heat maps"

@@ -57,6 +57,7 @@ double median_seconds(int repeats, int calls, F&& f) {
 struct Row {
     std::string figure, cage, pose;
     std::size_t grid = 0; ///< cells of the grid of points; 0: the points of the figure
+    double locality = 0;  ///< of a row of local harmonic coordinates after that of harmonic ones; 0: no row
 };
 
 template <std::size_t D>
@@ -253,7 +254,7 @@ private:
 };
 
 /// Reads a list of types; "all" are those that the cage supports.
-std::vector<Type> parse_types(const std::string& list, std::size_t dimension) {
+std::vector<Type> parse_types(const std::string& list, std::size_t dimension, double locality) {
     CoordinatesChoice choice;
     choice.in_plane = dimension == 2;
     choice.with_normals = choice.with_sites = true;
@@ -262,6 +263,10 @@ std::vector<Type> parse_types(const std::string& list, std::size_t dimension) {
     const auto add = [&](const std::string& name, bool is_wanted) {
         types.push_back({name, choice, is_wanted});
         types.back().choice.name = name;
+        if (name != "harmonic" || locality == 0) return;
+        types.push_back(types.back());
+        types.back().label = "local harmonic";
+        types.back().choice.harmonic.locality = locality;
     };
     std::istringstream words(list);
     for (std::string word; std::getline(words, word, ',');) {
@@ -283,7 +288,7 @@ void print_rows(const Row& row, const std::string& types) {
     Table<D> table(row);
     if (CageChoice::of(row.cage).is_lattice || is_lattice_path(row.cage))
         return table.print({"splines", {}, true});
-    for (const Type& type : parse_types(types, D)) table.print(type);
+    for (const Type& type : parse_types(types, D, row.locality)) table.print(type);
 }
 
 } // namespace
@@ -306,6 +311,10 @@ int run_program(int argc, char** argv) {
              "measure at the points inside the cage of a grid with this many cells along its longest side, "
              "not at the points of the figure; 0: at those of the figure")
         .range(0, 2000)
+        .show_default();
+    line.add("--locality", row.locality,
+             "after each row of harmonic coordinates, a row of local ones: the locality, up to 40; 0: no row")
+        .range(0.0, 40.0)
         .show_default();
     line.set_footer(std::string(cage_formats) + "\n" + mesh_formats);
     if (const auto code = line.parse(argc, argv)) return *code;

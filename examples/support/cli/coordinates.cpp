@@ -101,9 +101,8 @@ void add_harmonic(CommandLine& line, CoordinatesChoice& choice) {
                                        .show_default();
     line.add("--locality", choice.harmonic.locality,
              "harmonic: weights decrease faster with the distance from a vertex, so that each point has "
-             "fewer; 20 "
-             "leaves out a tenth of the weights above 1 %, 40 a fifth")
-        .range(0, cageform::HarmonicOptions::most_locality)
+             "fewer; 20 leaves out a tenth of the weights above 1 %, 40 a fifth")
+        .range(0.0, double{cageform::HarmonicOptions::most_locality})
         .show_default();
     if (choice.limits_memory) {
         line.add_number(

@@ -44,9 +44,9 @@ struct AdaptiveGrid {
 ///             `solver_memory().block` bytes per thread, about 480 bytes per point in 2D and 1,500 in 3D.
 ///             The calling thread must take part in the work, and reports progress before each of its cycles
 ///   compiles  slowly, because the solver is a template; cageform::compiled has it in a library
-///   fails     as check(cage); accuracy_not_supported; locality_not_supported; resolution_not_supported if the
-///             cage is too small for its distance from the origin; grid_too_coarse; not_converged; cancelled;
-///             out_of_memory;
+///   fails     as check(cage); accuracy_not_supported; locality_not_supported; resolution_not_supported if
+///             the cage is too small for its distance from the origin; grid_too_coarse; not_converged;
+///             cancelled; out_of_memory;
 ///             solver_not_supported if the options have a resolution
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
     requires(D == 2 || D == 3)

@@ -58,8 +58,9 @@ struct SmallFactors {
 /// Finds the weights w_k = q_k e^(−λ·u_k) / Σ q e^(−λ·u) with Σ w u = 0: the row with Σ w = 1 and Σ w u = 0
 /// that minimises Σ w ln(w/q). They exist if 0 is inside the hull of the vectors u_k with q_k > 0.
 ///
-/// λ minimises the convex function F = ln Σ q e^(−λ·u), by Newton's method. If a step does not lower F enough,
-/// the step ln(1 + R)/R does, where R is the extent of the vectors along the step: |F'''| ≤ R F'' along it.
+/// λ minimises the convex function F = ln Σ q e^(−λ·u), by Newton's method. If a step does not lower F
+/// enough, the step ln(1 + R)/R does, where R is the extent of the vectors along the step: |F'''| ≤ R F''
+/// along it. After a short step d, weights are multiplied by a series of e^(−d·u).
 ///
 ///   X      a scalar or a register
 ///   U      u(k): the vector to handle k, a Vec<X, D>, at most a few units long

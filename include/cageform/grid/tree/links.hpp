@@ -1,9 +1,10 @@
 // The discretisation of the Laplace equation on the tree: one row of a sparse matrix per node.
 //
 // Every row has the form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value) with
-// positive weights. The diagonal is their sum plus NodeEquation::screening. The corrections of a near field are
-// an exception: they also add negative weights of boundary values (coordinates/harmonic/near_rows.hpp). The
-// matrix is not symmetric: if the equation of node a contains node b, the equation of b need not contain a.
+// positive weights. The diagonal is their sum plus NodeEquation::screening. The corrections of a near field
+// are an exception: they also add negative weights of boundary values (coordinates/harmonic/near_rows.hpp).
+// The matrix is not symmetric: if the equation of node a contains node b, the equation of b need not contain
+// a.
 // grid/tree/node_equation.hpp has the formulas, grid/tree/hierarchy.hpp makes coarser levels from these rows,
 // and grid/tree/multigrid.hpp solves them.
 #pragma once
