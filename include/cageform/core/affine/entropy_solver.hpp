@@ -90,14 +90,18 @@ public:
         constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
         Vec<X, D> base{}, step{};
         X least(S(0)), decrease(S(0)), is_sure(one), has_arrived(skipped);
+        shift_ = zero;
+        for (std::size_t k = 0; k < q_.size(); ++k) rows_[k] = q_[k];
         for (passes_ = 0; passes_ < most_passes; ++passes_) {
             evaluate();
             const auto rises = least - X(S(0.25)) * decrease + X(rounding) * (one + abs(least)) < value_;
             const auto is_rejected = both(rises, is_sure + has_arrived < X(S(0.5)));
             if (any_of(is_rejected)) {
                 const X extent = extent_along(step), shorter = log(one + extent) / extent;
-                for (std::size_t c = 0; c < D; ++c)
+                for (std::size_t c = 0; c < D; ++c) {
                     multiplier_[c] = select(is_rejected, base[c] + shorter * step[c], multiplier_[c]);
+                    change_[c] = select(is_rejected, X(most_length), zero); // any change that is not short
+                }
                 is_sure = select(is_rejected, one, is_sure);
                 continue; // accepted lanes are evaluated again, with the same result
             }
@@ -109,12 +113,13 @@ public:
             for (std::size_t c = 0; c < D; ++c) decrease = decrease + step[c] * mean_[c];
             is_sure = zero;
             for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
+            change_ = step;
             has_arrived = select(decrease < tolerance, one, has_arrived);
             if (!any_of(has_arrived < X(S(0.5)))) {
                 if (needs_factors)
                     evaluate();
                 else
-                    evaluate_rows(shift_);
+                    evaluate_rows();
                 break;
             }
         }
@@ -126,36 +131,68 @@ public:
     SmallFactors<X, D> factors() const noexcept { return {hessian_, floor_}; }
 
 private:
-    /// Computes the rows at the multiplier and their sum.
-    void evaluate_rows(const X& shift) noexcept {
-        sum_ = X(S(0));
-        for (std::size_t k = 0; k < q_.size(); ++k) {
-            rows_[k] = q_[k] * exp(-(inner(u_(k)) + shift));
-            sum_ = sum_ + rows_[k];
+    /// Returns e^x for short steps; the error is below rounding.
+    static X exp_of_short(const X& x) noexcept {
+        const X square = x * x, one(S(1));
+        const X third = X(S(1.0 / 2)) + x * X(S(1.0 / 6));
+        if constexpr (sizeof(S) == 4) return one + x + square * (third + square * X(S(1.0 / 24)));
+        return one + x +
+               square * (third + square * (X(S(1.0 / 24)) + x * X(S(1.0 / 120)) + square * X(S(1.0 / 720))));
+    }
+    /// Calls add(row, u) for each handle, with its row at the multiplier. Stores the rows. In lanes with a short
+    /// change of the multiplier, rows are multiplied by a series.
+    template <class Add>
+    CAGEFORM_DETAIL_INLINE void for_each_row(const Add& add) noexcept {
+        constexpr S small_product = S(sizeof(S) == 4 ? 0x1p-4 : 0x1p-6);
+        X bound(S(0));
+        for (std::size_t c = 0; c < D; ++c) bound = bound + abs(change_[c]);
+        const auto is_long = X(small_product / most_length) < bound;
+        const auto put = [&](std::size_t k, const X& row, const Vec<X, D>& u) {
+            rows_[k] = row;
+            add(row, u);
+        };
+        if (!any_of(X(S(0)) < bound)) {
+            for (std::size_t k = 0; k < q_.size(); ++k) put(k, rows_[k], u_(k));
+        } else if (!any_of(is_long)) {
+            for (std::size_t k = 0; k < q_.size(); ++k) {
+                const Vec<X, D> u = u_(k);
+                put(k, rows_[k] * exp_of_short(-inner(change_, u)), u);
+            }
+        } else {
+            shift_ = select(is_long, least_exponent(), shift_);
+            for (std::size_t k = 0; k < q_.size(); ++k) {
+                const Vec<X, D> u = u_(k);
+                const X by_series = rows_[k] * exp_of_short(-inner(change_, u));
+                put(k, select(is_long, q_[k] * exp(-(inner(multiplier_, u) + shift_)), by_series), u);
+            }
         }
+        for (X& c : change_.v) c = X(S(0));
+    }
+    /// Computes the rows at the multiplier and their sum.
+    void evaluate_rows() noexcept {
+        X sum(S(0));
+        for_each_row([&](const X& row, const Vec<X, D>&) { sum = sum + row; });
+        sum_ = sum;
     }
     /// Computes the rows at the multiplier, their sum, F, the mean of u and the Hessian of F.
     void evaluate() noexcept {
-        const X zero(S(0)), shift = least_exponent();
-        shift_ = shift;
-        sum_ = zero;
+        const X zero(S(0));
+        X sum = zero;
         Vec<X, D> first{};
         X second[D][D];
         for (std::size_t r = 0; r < D; ++r) {
             first[r] = zero;
             for (std::size_t c = 0; c <= r; ++c) second[r][c] = zero;
         }
-        for (std::size_t k = 0; k < q_.size(); ++k) {
-            const Vec<X, D> u = u_(k);
-            const X row = q_[k] * exp(-(inner(u) + shift));
-            rows_[k] = row;
-            sum_ = sum_ + row;
+        for_each_row([&](const X& row, const Vec<X, D>& u) {
+            sum = sum + row;
             for (std::size_t r = 0; r < D; ++r) {
                 const X weighted = row * u[r];
                 first[r] = first[r] + weighted;
                 for (std::size_t c = 0; c <= r; ++c) second[r][c] = second[r][c] + weighted * u[c];
             }
-        }
+        });
+        sum_ = sum;
         const X inverse = X(S(1)) / sum_;
         X trace = zero, square = zero;
         for (std::size_t r = 0; r < D; ++r) {
@@ -171,7 +208,7 @@ private:
         if (any_of(has_cancelled)) trace = recompute_hessian(inverse, has_cancelled);
         constexpr S relative = sizeof(S) == 4 ? S(1e-7) : S(1e-14);
         floor_ = X(relative) * trace + X((std::numeric_limits<S>::min)());
-        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift;
+        value_ = log((max)(sum_, X((std::numeric_limits<S>::min)()))) + shift_;
     }
     /// Computes the Hessian with the mean subtracted first, in the lanes of a mask. Returns the trace.
     template <class Mask>
@@ -192,9 +229,9 @@ private:
         }
         return trace;
     }
-    X inner(const Vec<X, D>& u) const noexcept {
-        X sum = multiplier_[0] * u[0];
-        for (std::size_t c = 1; c < D; ++c) sum = sum + multiplier_[c] * u[c];
+    static X inner(const Vec<X, D>& a, const Vec<X, D>& b) noexcept {
+        X sum = a[0] * b[0];
+        for (std::size_t c = 1; c < D; ++c) sum = sum + a[c] * b[c];
         return sum;
     }
     /// Returns what makes all exponents at most zero where they might overflow, else zero.
@@ -207,7 +244,7 @@ private:
         if (!any_of(might_overflow)) return zero;
         X least((std::numeric_limits<S>::max)());
         for (std::size_t k = 0; k < q_.size(); ++k)
-            least = (min)(least, select(zero < q_[k], inner(u_(k)), least));
+            least = (min)(least, select(zero < q_[k], inner(multiplier_, u_(k)), least));
         return select(might_overflow, -least, zero);
     }
     /// Returns the largest difference of d·u among handles with a positive prior.
@@ -229,6 +266,7 @@ private:
     const U& u_;
     std::span<X> rows_;
     Vec<X, D> multiplier_{}, mean_{};
+    Vec<X, D> change_{}; ///< of the multiplier since the last rows
     X hessian_[D][D], floor_, sum_, value_, shift_;
     int passes_ = 0;
 };
