@@ -147,25 +147,32 @@ private:
         X bound(S(0));
         for (std::size_t c = 0; c < D; ++c) bound = bound + abs(change_[c]);
         const auto is_long = X(small_product / most_length) < bound;
-        const auto put = [&](std::size_t k, const X& row, const Vec<X, D>& u) {
-            rows_[k] = row;
-            add(row, u);
+        const bool some_are_long = any_of(is_long);
+        if (some_are_long) shift_ = select(is_long, least_exponent(), shift_);
+        const auto by_series = [&](std::size_t k, const Vec<X, D>& u) {
+            return rows_[k] * exp_of_short(-inner(change_, u));
         };
-        if (!any_of(X(S(0)) < bound)) {
-            for (std::size_t k = 0; k < q_.size(); ++k) put(k, rows_[k], u_(k));
-        } else if (!any_of(is_long)) {
+        const auto anew = [&](std::size_t k, const Vec<X, D>& u) {
+            return q_[k] * exp(-(inner(multiplier_, u) + shift_));
+        };
+        const auto for_each = [&](const auto& row_of) {
             for (std::size_t k = 0; k < q_.size(); ++k) {
                 const Vec<X, D> u = u_(k);
-                put(k, rows_[k] * exp_of_short(-inner(change_, u)), u);
+                const X row = row_of(k, u);
+                rows_[k] = row;
+                add(row, u);
             }
-        } else {
-            shift_ = select(is_long, least_exponent(), shift_);
-            for (std::size_t k = 0; k < q_.size(); ++k) {
-                const Vec<X, D> u = u_(k);
-                const X by_series = rows_[k] * exp_of_short(-inner(change_, u));
-                put(k, select(is_long, q_[k] * exp(-(inner(multiplier_, u) + shift_)), by_series), u);
-            }
-        }
+        };
+        if (!any_of(X(S(0)) < bound))
+            for_each([&](std::size_t k, const Vec<X, D>&) { return rows_[k]; });
+        else if (!some_are_long)
+            for_each(by_series);
+        else if (!any_of(bound <= X(small_product / most_length)))
+            for_each(anew);
+        else
+            for_each([&](std::size_t k, const Vec<X, D>& u) {
+                return select(is_long, anew(k, u), by_series(k, u));
+            });
         for (X& c : change_.v) c = X(S(0));
     }
     /// Computes the rows at the multiplier and their sum.
