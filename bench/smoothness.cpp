@@ -1,7 +1,7 @@
 // Measures harmonic weights in space: their smoothness, their errors next to the skin, and their cost.
 //
-//     bench_smoothness [--cage NAME] [--obj FILE] [--turned] [--count COUNT] [--points COUNT] [--figure FILE]
-//                      [--box X Y Z] MEASURE [ACCURACY…]
+//     bench_smoothness [--cage NAME] [--obj FILE] [--turned] [--locality K] [--count COUNT] [--points COUNT]
+//                      [--figure FILE] [--box X Y Z] MEASURE [ACCURACY…]
 //
 // MEASURE is one of:
 //
@@ -47,7 +47,7 @@ struct Given {
     std::size_t points = 0, count = 0; ///< count: of lines or sheets
     std::vector<double> accuracies;
     Points boxes, figure;
-    double angle = 0;
+    double angle = 0, locality = 0;
 
     Mesh turned(const Mesh& mesh) const {
         return {turned(Points(mesh.vertices().begin(), mesh.vertices().end())), mesh.faces()};
@@ -69,9 +69,9 @@ void demand(Status status) {
     std::exit(1);
 }
 /// Solves and keeps all functions; prints cage, accuracy and number of nodes.
-Harmonic solved(const NamedCage& cage, double accuracy) {
+Harmonic solved(const Given& given, const NamedCage& cage, double accuracy) {
     std::printf("%s, accuracy %g:", cage.name.c_str(), accuracy);
-    Harmonic coordinates(cage.mesh, {.accuracy = accuracy});
+    Harmonic coordinates(cage.mesh, {.accuracy = accuracy, .locality = given.locality});
     const auto [status, solver] = coordinates.solve();
     demand(status);
     std::printf(" %zu nodes;", solver.cells);
@@ -209,7 +209,7 @@ void print_lines(const std::vector<Line>& lines, double least, const Find& find)
 void measure_lines(const Given& given, const NamedCage& cage) {
     const auto lines = lines_near_skin(cage.mesh, given.count);
     for (const double accuracy : given.accuracies) {
-        const auto coordinates = solved(cage, accuracy);
+        const auto coordinates = solved(given, cage, accuracy);
         print_lines(lines, 2.5, [&](const Points& points) {
             const auto binding = bound(coordinates, points);
             const auto weight = [&](std::size_t i, std::size_t k) { return binding.weight(i, k); };
@@ -227,11 +227,11 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
     const double size = std::sqrt(area / double(cage.mesh.faces().size()));
     const auto points = cageform_tests::points_anywhere(cage.mesh, given.points, 18);
     const auto lines = lines_near_skin(cage.mesh, given.count);
-    const auto finest = gradients_of(solved(cage, given.accuracies.back()), points);
+    const auto finest = gradients_of(solved(given, cage, given.accuracies.back()), points);
     demand(finest.evaluation.status);
     std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
-        const auto coordinates = solved(cage, given.accuracies[n]);
+        const auto coordinates = solved(given, cage, given.accuracies[n]);
         const auto found = gradients_of(coordinates, points);
         demand(found.evaluation.status);
         std::vector<double> errors;
@@ -256,11 +256,11 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
 void measure_weights(const Given& given, const NamedCage& cage) {
     const auto skin = cageform_tests::points_below_faces(cage.mesh, given.points, 17);
     const auto inside = cageform_tests::points_anywhere(cage.mesh, given.points, 18);
-    const auto finest = solved(cage, given.accuracies.back());
+    const auto finest = solved(given, cage, given.accuracies.back());
     const auto finest_skin = bound(finest, skin), finest_inside = bound(finest, inside);
     std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
-        const auto coordinates = solved(cage, given.accuracies[n]);
+        const auto coordinates = solved(given, cage, given.accuracies[n]);
         const auto print_errors = [&](const char* what, const Points& points, const auto& right) {
             const auto found = bound(coordinates, points);
             std::vector<double> errors;
@@ -279,7 +279,7 @@ void measure_weights(const Given& given, const NamedCage& cage) {
 
 void measure_depths(const Given& given, const NamedCage& cage) {
     for (const double accuracy : given.accuracies) {
-        const auto coordinates = solved(cage, accuracy);
+        const auto coordinates = solved(given, cage, accuracy);
         for (const double depth : {1e-2, 1e-3, 1e-4}) {
             Points points;
             std::vector<Below> known;
@@ -432,7 +432,7 @@ void measure_plates(const Given& given) {
 void measure_pack(const Given& given, const NamedCage& cage) {
     const auto points = figure_in(cage.mesh, given);
     for (const double accuracy : given.accuracies) {
-        const auto coordinates = solved(cage, accuracy);
+        const auto coordinates = solved(given, cage, accuracy);
         const auto start = std::clock();
         demand(pack(coordinates, points, cageform::StreamedPackOptions{}).status());
         std::printf(" %zu points x %zu handles packed in %.2f s", points.size(), cage.mesh.size(),
@@ -450,7 +450,7 @@ void measure_cost(const Given& given, const NamedCage& cage) {
     };
     for (const double accuracy : given.accuracies) {
         const double whole = seconds_of_bind(Harmonic(cage.mesh, {.accuracy = accuracy}));
-        const auto coordinates = solved(cage, accuracy);
+        const auto coordinates = solved(given, cage, accuracy);
         std::vector<double> again(9);
         for (double& seconds : again) seconds = seconds_of_bind(coordinates);
         std::printf(" %zu points bound in %.3f s; again %.1f us a point (median of nine)", points.size(),
@@ -477,6 +477,8 @@ int main(int argc, char** argv) {
     while (line.next()) {
         if (line.word() == "--turned")
             given.angle = 0.7;
+        else if (line.word() == "--locality")
+            given.locality = line.number<double>();
         else if (line.word() == "--count")
             given.count = line.number<std::size_t>();
         else if (line.word() == "--points")

@@ -9,6 +9,7 @@
 #include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/lattice.hpp>
+#include <cageform/coordinates/maximum_entropy.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -24,8 +25,10 @@ using cageform::Polygon;
 namespace {
 
 /// The largest fourth difference along a line is of order h^k in the step h, where k is the order of the
-/// first discontinuous derivative, at most four.
+/// first discontinuous derivative, at most four. Slopes of maximum entropy weights change like the
+/// root of the distance from the line of an edge.
 enum Smoothness { jumps = 0, continuous = 1, once = 2, twice = 3, always = 4 };
+constexpr double like_root = 1.5;
 
 template <std::size_t D>
 using Points = std::vector<Vec<double, D>>;
@@ -121,7 +124,7 @@ Measured measure(const Line<D>& line) {
 template <std::size_t D>
 struct Kind {
     const char* name;
-    int smoothness;
+    double smoothness;
     std::function<Line<D>(std::uint64_t)> line;
     double jump = 0;   ///< largest allowed jump of discontinuous weights
     bool cuts = false; ///< whether negative weights become 0, with a kink
@@ -219,6 +222,15 @@ TEST_CASE("weights in the plane are as smooth as documented", "[coordinates][pro
          }},
         {"harmonic", twice, [](auto seed) { return line(solved(HarmonicCoordinates(star(seed))), seed); }, 0,
          true},
+        {"local harmonic", twice,
+         [](auto seed) { return line(solved(HarmonicCoordinates(star(seed), {.locality = 20})), seed); }, 0,
+         true},
+        {"maximum entropy", like_root,
+         [](auto seed) { return line(cageform::MaximumEntropyCoordinates(star(seed)), seed); }},
+        {"MEC-2", always,
+         [](auto seed) {
+             return line(cageform::MaximumEntropyCoordinates(star(seed), cageform::EntropyPrior::mec2), seed);
+         }},
         {"harmonic across a wall", jumps, [walled](auto seed) { return line(walled, seed); },
          1e-6}, // rounding
         {"harmonic about a disc", jumps, [about_disc](auto seed) { return line(about_disc, seed); }, 1e-3},
@@ -269,6 +281,13 @@ TEST_CASE("weights in space are as smooth as documented", "[coordinates][propert
         {"harmonic", twice,
          [](auto seed) { return line(solved(HarmonicCoordinates(mesh(seed), {.accuracy = 1e-2})), seed); }, 0,
          true},
+        {"local harmonic", twice,
+         [](auto seed) {
+             return line(solved(HarmonicCoordinates(mesh(seed), {.accuracy = 1e-2, .locality = 20})), seed);
+         },
+         0, true},
+        {"maximum entropy", like_root,
+         [](auto seed) { return line(cageform::MaximumEntropyCoordinates(mesh(seed)), seed); }},
         {"harmonic, faces of any shape", jumps, [prismatic](auto seed) { return line(prismatic, seed); },
          0.1},
         {"harmonic on a uniform grid", jumps, [uniform](auto seed) { return line(uniform, seed); }, 0.1},
