@@ -139,8 +139,8 @@ private:
         return one + x +
                square * (third + square * (X(S(1.0 / 24)) + x * X(S(1.0 / 120)) + square * X(S(1.0 / 720))));
     }
-    /// Calls add(row, u) for each handle, with its row at the multiplier. Stores the rows. In lanes with a short
-    /// change of the multiplier, rows are multiplied by a series.
+    /// Calls add(row, u) for each handle, with its row at the multiplier, and stores the rows. Where the
+    /// multiplier has changed little, rows are multiplied by a series.
     template <class Add>
     CAGEFORM_DETAIL_INLINE void for_each_row(const Add& add) noexcept {
         constexpr S small_product = S(sizeof(S) == 4 ? 0x1p-4 : 0x1p-6);
