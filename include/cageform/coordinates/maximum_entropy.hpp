@@ -23,8 +23,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   boundary   hat functions on edges and triangles; the unit row on vertices
 ///   range      [0, 1], Σ w = 1. Vertices of facets that do not face the point have weight 0
-///   smooth     C^∞ inside, except in the planes of facets, where slopes change like the root of the distance;
-///              with mec1, mec2 C^∞ everywhere inside
+///   smooth     C^∞ inside, except in the planes of facets: there slopes change like the root of the
+///              distance. With mec1, mec2 C^∞ everywhere inside
 ///   outside    undefined, also in holes and cavities
 ///   accuracy   a few roundings, also next to the boundary
 ///   cost       about 10 times that of mean value coordinates in the plane, 4 times in space (`bench_bind`)
