@@ -166,7 +166,8 @@ TEST_CASE("linear precision is restored with vector handles", "[handle_kinds][bi
         for (std::size_t k = 0; k < 2; ++k) target[k][lane] = points[lane][k];
         bound[0][lane] = 1;
     }
-    const auto result = restorer.run(target.data(), bound[0], row.data(), true);
+    cageform::detail::LinearRestorer<double, 2>::Scratch scratch;
+    const auto result = restorer.run(target.data(), bound[0], row.data(), true, scratch);
     for (std::size_t lane = 0; lane < 8; ++lane) {
         CHECK(result.change[lane] < 0.05);
         double sum = 0;

@@ -184,6 +184,7 @@ private:
                std::span<const PointState> all, std::span<PointState> states) const {
         const std::size_t count = states.size(), components = components_.size();
         std::vector<Lanes<scalar>> share(components);
+        typename detail::LinearRestorer<scalar, dimension>::Scratch scratch;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const std::size_t i = b * lanes + lane;
             for (auto& row : share) row[lane] = scalar(0);
@@ -224,7 +225,7 @@ private:
                 for (std::size_t h = 0; h < handles; ++h) row[h][lane] = scalar(0);
             }
             if (!any) continue;
-            (void)restorers_[k].run(points.block(b), bound, row, true);
+            (void)restorers_[k].run(points.block(b), bound, row, true, scratch);
             for (std::size_t h = 0; h < handles; ++h) {
                 for (std::size_t lane = 0; lane < lanes; ++lane) row[h][lane] *= share[k][lane];
             }

@@ -23,10 +23,11 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   boundary   hat functions on edges and triangles; the unit row on vertices
 ///   range      [0, 1], Σ w = 1. Vertices of facets that do not face the point have weight 0
-///   smooth     C¹ inside, C^∞ except where the point lies in the plane of a facet; with mec1, mec2 C^∞
+///   smooth     C^∞ inside, except in the planes of facets: there slopes change like the root of the
+///              distance. With mec1, mec2 C^∞ everywhere inside
 ///   outside    undefined, also in holes and cavities
 ///   accuracy   a few roundings, also next to the boundary
-///   cost       about 5 times that of mean value coordinates in the plane, 3 times in space
+///   cost       about 10 times that of mean value coordinates in the plane, 4 times in space (`bench_bind`)
 ///   gradients  exact derivatives of the form above, computed in double
 ///   fails      as the cage's check
 ///

@@ -1,7 +1,7 @@
 // Projects a row of positive numbers to weights that reproduce a point.
 #pragma once
 
-#include <cageform/coordinates/entropy/project.hpp>
+#include <cageform/core/affine/entropy_solver.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/status.hpp>
 

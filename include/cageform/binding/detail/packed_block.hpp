@@ -4,8 +4,10 @@
 #include <cageform/binding/detail/moments.hpp>
 #include <cageform/binding/detail/stored_weights.hpp>
 #include <cageform/binding/detail/weight_loss.hpp>
+#include <cageform/coordinates/project.hpp>
 
 #include <array>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -49,22 +51,32 @@ public:
         return rows;
     }
 
-    /// Restores the row sums of the points by the smallest change of their weights (2-norm). Returns
-    /// the largest change.
+    /// Restores the row sums of the points by the smallest change of their weights (2-norm). Where this
+    /// change would make the first weights of a point negative, they are projected instead. Returns the
+    /// largest change.
     Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {
             return std::binary_search(rows.handles.begin(), rows.handles.end(), h);
         };
         const Matrix inverse = Moments<D>::power(moments_.sum_of_squares(has_row), -1);
+        std::vector<double> weights(rows.handles.size()); // of one point
         for (std::size_t lane = 0; lane < points.count; ++lane) {
             const Column missing = residual(points.index[lane], lane, rows);
             const auto is_rounding = [](double x) { return std::fabs(x) <= 4 * double(epsilon<T>); };
             if (std::all_of(missing.v, missing.v + D + 1, is_rounding)) continue;
             const Column step = product(inverse, missing);
+            double least_before = 0, least = 0;
             for (std::size_t r = 0; r < rows.handles.size(); ++r) {
-                const double change = dot(step, moments_[rows.handles[r]]);
-                rows.weights[r * lanes + lane] += change;
+                const double before = rows.weights[r * lanes + lane];
+                weights[r] = before + dot(step, moments_[rows.handles[r]]);
+                least_before = (std::min)(least_before, before);
+                least = (std::min)(least, weights[r]);
+            }
+            if (least_before == 0 && least < 0) project_kept(points.index[lane], lane, rows, weights);
+            for (std::size_t r = 0; r < rows.handles.size(); ++r) {
+                const double change = weights[r] - rows.weights[r * lanes + lane];
+                rows.weights[r * lanes + lane] = weights[r];
                 largest.raise({std::fabs(change), points.index[lane]});
             }
         }
@@ -125,6 +137,33 @@ public:
     }
 
 private:
+    /// Projects the kept weights of a point so that they have the row sums of the binding's. Leaves `weights`
+    /// unchanged if the handles of positive weights do not surround the point, or if handles are vectors.
+    void project_kept(std::size_t point, std::size_t lane, const PackedRows& rows,
+                      std::span<double> weights) const {
+        if (binding_.handle_view().vector_count() > 0) return;
+        const auto rest = vec_cast<double>(block_point<D>(binding_.rest, point));
+        const auto handle = [&](std::size_t h) { return vec_cast<double>(binding_.rest_handles[h]) - rest; };
+        double sum = 0;
+        Vec<double, D> weighted{};
+        for (std::size_t h = 0; h < moments_.size(); ++h) {
+            const double w = double(binding_.weights(point, h));
+            sum += w;
+            weighted = weighted + w * handle(h);
+        }
+        if (!(sum > 0)) return;
+        std::vector<double> prior, projected(weights.size());
+        std::vector<Vec<double, D>> handles;
+        for (std::size_t r = 0; r < weights.size(); ++r) {
+            prior.push_back(rows.weights[r * lanes + lane]);
+            handles.push_back(handle(rows.handles[r]));
+        }
+        const Status status = project<double, D>(prior, handles, (1 / sum) * weighted, projected);
+        if (status == Status::out_of_memory) throw std::bad_alloc();
+        for (std::size_t r = 0; r < weights.size() && status == Status::ok; ++r)
+            weights[r] = sum * projected[r];
+    }
+
     std::vector<double> stored_change(WeightFormat format, const BlockPoints<T>& points,
                                       PackedRows rows) const {
         std::vector<std::byte> memory(rows.weights.size() * sizeof(T));

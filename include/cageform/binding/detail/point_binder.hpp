@@ -241,6 +241,7 @@ private:
         const auto weights = piece_of(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;
         PieceMeasures<T> measures(this->first_of(piece));
+        typename LinearRestorer<T, D>::Scratch scratch;
         for (std::size_t b = first; b < first + weights.blocks(); ++b) {
             Lanes<T>* const row = this->weights_[0].block(b);
             Lanes<T> target[D], bound, kept;
@@ -251,7 +252,7 @@ private:
                 bound[lane] = resolve(b * lanes + lane, target, kept[lane]) ? T(1) : T(0);
                 has_falloff = has_falloff || kept[lane] != T(1);
             }
-            auto outcome = this->restorer_.run(target, bound, row, this->restores());
+            auto outcome = this->restorer_.run(target, bound, row, this->restores(), scratch);
             if (has_falloff) apply_falloff(kept, row, outcome);
             if (this->record(outcome, bound, b, measures)) this->clear_unreached(bound, b, row);
         }

@@ -165,12 +165,13 @@ private:
 
     /// Restores linear precision of the weights, as `bind` does.
     void restore(FadedPoints& points) const {
+        typename LinearRestorer<T, D>::Scratch scratch;
         for (std::size_t b = 0; b < points.weights.blocks(); ++b) {
             Lanes<T> bound;
             for (std::size_t lane = 0; lane < lanes; ++lane)
                 bound[lane] = b * lanes + lane < points.numbers.size() ? T(1) : T(0);
             (void)this->restorer_.run(points.points.block(b), bound, points.weights.block(b),
-                                      this->restores());
+                                      this->restores(), scratch);
         }
     }
 

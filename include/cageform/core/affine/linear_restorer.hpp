@@ -3,6 +3,7 @@
 
 #include <cageform/core/affine/affine_rows.hpp>
 #include <cageform/core/affine/compensated_sum.hpp>
+#include <cageform/core/affine/entropy_solver.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
 #include <cageform/core/detail/simd_instructions.hpp>
 #include <cageform/core/types/blocks.hpp>
@@ -20,6 +21,11 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 ///
 /// With `local`, zero weights stay zero. The change is then the smallest one among the other handles, Q
 /// M⁻¹ R⁻ᵀ r. M is the sum of q qᵀ over the rows q of Q of these handles.
+///
+/// Where this change would make the first weights of a point negative, its weights are projected instead
+/// (entropy_solver.hpp): they stay positive or zero. If the handles with positive weights do not surround the
+/// point, no such weights exist, and the change is made. Weights of vectors, and of handles that include
+/// vectors, are not projected.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
@@ -28,9 +34,15 @@ public:
         Lanes<T> missed; ///< 1 in lanes whose residual exceeds rounding errors, else 0
     };
 
+    /// The memory of projections; each thread needs its own.
+    struct Scratch {
+        Buffer<Simd<T>> prior, weights;
+    };
+
     explicit LinearRestorer(const HandleView<T, D>& handles, bool local = false)
         : rows_(handles, frame_of(handles))
-        , local_(local) {
+        , local_(local)
+        , only_points_(handles.point_count() == handles.count) {
         Buffer<Vec<double, D + 1>> rows;
         rows.reserve(rows_.size());
         basis_.reserve(rows_.size());
@@ -42,12 +54,13 @@ public:
 
     /// Restores a block of points. `row` holds their weights; `bound` is 1 in lanes to restore, else 0.
     /// Without `restore` it only measures the residuals.
-    Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
+    Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore,
+               Scratch& scratch) const {
         Row wanted;
         wanted[0] = Simd(T(1));
         for (std::size_t k = 0; k < D; ++k)
             wanted[k + 1] = (Simd::load(target[k]) - Simd(frame().centre[k])) * Simd(T(1) / frame().size);
-        return run_to(wanted, Simd(T(1)), bound, row, restore);
+        return run_to(wanted, Simd(T(1)), bound, row, restore, only_points_ ? &scratch : nullptr);
     }
 
     /// Restores weights of vectors. The threshold for a change is relative to the vectors' lengths.
@@ -55,7 +68,7 @@ public:
         Row wanted;
         wanted[0] = Simd(T(0));
         for (std::size_t k = 0; k < D; ++k) wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / frame().size);
-        return run_to(wanted, largest(wanted), bound, row, restore);
+        return run_to(wanted, largest(wanted), bound, row, restore, nullptr);
     }
 
 private:
@@ -65,48 +78,103 @@ private:
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
+    struct Measures {
+        Row missing; ///< residual to `wanted`
+        Simd least;
+        Simd sizes;
+    };
+    /// The measures of the present weights.
+    struct State : Measures {
+        Simd worst; ///< the largest number of `missing`
+        Simd change = Simd(T(0));
+
+        explicit State(const Measures& measures)
+            : Measures(measures)
+            , worst(largest(measures.missing)) {}
+        void accept(const typename Simd::Mask& lanes, const Measures& measures) {
+            for (std::size_t k = 0; k <= D; ++k)
+                this->missing[k] = select<T>(lanes, measures.missing[k], this->missing[k]);
+            this->least = select<T>(lanes, measures.least, this->least);
+            this->sizes = select<T>(lanes, measures.sizes, this->sizes);
+            worst = select<T>(lanes, largest(measures.missing), worst);
+        }
+    };
+
     /// Makes the row sums Σ w a equal `wanted`. Residuals below a few epsilon times `unit` count as
-    /// rounding errors.
-    Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
-                  bool restore) const {
+    /// rounding errors. Without scratch memory, no weights are projected.
+    Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row, bool restore,
+                  Scratch* scratch) const {
         // Keeps weights with residuals below 4 epsilon: a change would destroy exact zeros on edges.
         const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
         Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
-        auto [missing, least, sizes] = measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); });
-        Simd worst = largest(missing), change = zero;
-        distance(missing).store(result.before);
+        State now(measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); }));
+        distance(now.missing).store(result.before);
         for (int round = 0; round < 3; ++round) {
-            treat = select<T>(enough < worst, treat, zero);
+            treat = select<T>(enough < now.worst, treat, zero);
             if (!any(zero < treat)) break;
-            Row step = in_basis(triangle_, missing);
+            Row step = in_basis(triangle_, now.missing);
             if (local_) step = solve_among(row, step);
             const auto tried =
                 measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, row, i); });
-            const Simd left = largest(tried.missing);
-            treat = select<T>(left < worst, treat, zero);
-            const auto accepted = zero < treat;
+            treat = select<T>(largest(tried.missing) < now.worst, treat, zero);
+            auto accepted = zero < treat;
+            const auto turns = accepted & (zero <= now.least) & (tried.least < zero);
+            if (scratch != nullptr && any(turns)) {
+                const auto rounded = turns & (now.worst <= Simd(2) * enough); // left as it is
+                treat = select<T>(rounded, zero, treat);
+                accepted = accepted ^ rounded ^ project(wanted, turns ^ rounded, row, now, *scratch);
+            }
             for (Simd& s : step) s = select<T>(accepted, s, zero);
             for (std::size_t i = 0; i < rows_.size(); ++i) {
                 const Simd delta = change_of(step, row, i);
-                change = max<T>(change, abs<T>(delta));
+                now.change = max<T>(now.change, abs<T>(delta));
                 (Simd::load(row[i]) + delta).store(row[i]);
             }
-            for (std::size_t k = 0; k <= D; ++k)
-                missing[k] = select<T>(accepted, tried.missing[k], missing[k]);
-            least = select<T>(accepted, tried.least, least);
-            sizes = select<T>(accepted, tried.sizes, sizes);
-            worst = select<T>(accepted, left, worst);
+            now.accept(accepted, tried);
         }
-        abs<T>(missing[0]).store(result.partition);
-        distance(missing).store(result.reproduction);
-        change.store(result.change);
-        least.store(result.least);
-        sizes.store(result.sizes);
+        abs<T>(now.missing[0]).store(result.partition);
+        distance(now.missing).store(result.reproduction);
+        now.change.store(result.change);
+        now.least.store(result.least);
+        now.sizes.store(result.sizes);
         // Far outside, weights grow with the distance, and so does the rounding of their sums.
         const Simd rounding = Simd(128 * epsilon<T>) * max<T>(unit, largest(wanted));
-        select<T>(rounding < worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
+        select<T>(rounding < now.worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
         return result;
+    }
+
+    /// Replaces the weights in some lanes by their projections if this lowers the residual. Returns the
+    /// lanes whose projections exist.
+    CAGEFORM_DETAIL_NO_INLINE typename Simd::Mask project(const Row& wanted, const typename Simd::Mask& lanes,
+                                                          Lanes<T>* row, State& now, Scratch& scratch) const {
+        const Simd zero(T(0)), one(T(1));
+        if (!any(lanes)) return lanes;
+        scratch.prior.resize(rows_.size());
+        scratch.weights.resize(rows_.size());
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            scratch.prior[i] = select<T>(lanes, Simd::load(row[i]), one);
+        const auto to_handle = [&](std::size_t i) {
+            Vec<Simd, D> u;
+            for (std::size_t k = 0; k < D; ++k) u[k] = Simd(rows_[i][k + 1]) - wanted[k + 1];
+            return u;
+        };
+        const std::span prior(scratch.prior.data(), rows_.size());
+        const std::span weights(scratch.weights.data(), rows_.size());
+        EntropySolver<Simd, D, decltype(to_handle)> solver(prior, to_handle, weights);
+        const Simd converged = solver.solve(select<T>(lanes, zero, one), false);
+        const Simd inverse = one / solver.sum();
+        const auto projected = measure(wanted, [&](std::size_t i) { return weights[i] * inverse; });
+        const auto exists = lanes & (zero < converged);
+        const auto accepted = exists & (largest(projected.missing) < now.worst);
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Simd before = Simd::load(row[i]);
+            const Simd after = select<T>(accepted, weights[i] * inverse, before);
+            now.change = max<T>(now.change, abs<T>(after - before));
+            after.store(row[i]);
+        }
+        now.accept(accepted, projected);
+        return exists;
     }
 
     /// Returns the change of a handle's weight.
@@ -152,11 +220,6 @@ private:
         return step;
     }
 
-    struct Measures {
-        Row missing; ///< residual to `wanted`
-        Simd least;
-        Simd sizes;
-    };
     /// Measures the weights that weight(i) returns for handle i.
     template <class Weight>
     Measures measure(const Row& wanted, const Weight& weight) const {
@@ -188,7 +251,7 @@ private:
     }
 
     AffineRows<T, D> rows_;
-    bool local_ = false;
+    bool local_ = false, only_points_ = false;
     Buffer<Vec<T, D + 1>> basis_; ///< the rows of Q
     Vec<Vec<T, D + 1>, D + 1> triangle_{};
 };
