@@ -6,6 +6,7 @@
 #include <cageform/cage/detail/primitives.hpp>
 #include <cageform/grid/tree/cut_tree.hpp>
 #include <cageform/grid/tree/nodes.hpp>
+#include <cageform/grid/tree/screening.hpp>
 
 #include <algorithm>
 #include <utility>
