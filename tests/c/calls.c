@@ -238,47 +238,49 @@ static void test_square(void) {
 static void test_types(void) {
     const double controls[24] = {0, 0, 1, -1, 3, -1, 4, 0, 4, 0, 4, 4, 4, 4, 0, 4, 0, 4, 0, 0};
     const uint32_t degrees[4] = {3, 1, 1, 1};
-    const uint32_t types[4] = {CAGEFORM_MEAN_VALUE, CAGEFORM_HARMONIC, CAGEFORM_GREEN, CAGEFORM_SIBSON};
-    const uint32_t flat[4] = {CAGEFORM_WACHSPRESS, CAGEFORM_DISCRETE_HARMONIC, CAGEFORM_SIBSON_C1,
-                              CAGEFORM_GREEN};
+    const uint32_t types[5] = {CAGEFORM_MEAN_VALUE, CAGEFORM_HARMONIC, CAGEFORM_GREEN, CAGEFORM_SIBSON,
+                               CAGEFORM_MAXIMUM_ENTROPY};
+    const uint32_t flat[7] = {CAGEFORM_WACHSPRESS, CAGEFORM_DISCRETE_HARMONIC, CAGEFORM_SIBSON_C1,
+                              CAGEFORM_GREEN,      CAGEFORM_MAXIMUM_ENTROPY,   CAGEFORM_MEC_1,
+                              CAGEFORM_MEC_2};
     const double middle[3] = {0.25, -0.5, 0.125}, there[2] = {2, 1};
     double pose[200], vertices[200], out[3];
     size_t n;
     cageform_cage cage;
-    for (n = 0; n < 12; ++n) {
+    for (n = 0; n < 16; ++n) {
         cageform_coordinates* coordinates;
         cageform_coordinates_info info;
         cageform_binding* binding = NULL;
         cageform_figure* figure = NULL;
         cageform_report report;
-        const int in_space = n < 6;
+        const int in_space = n < 7;
         cage = in_space ? cube_cage() : square_cage();
-        if (n == 4) { /* quads */
+        if (n == 5) { /* quads */
             cage.indices = quads;
             cage.index_count = 24;
             cage.counts = fours;
             cage.count_count = 6;
             cage.divisions = 2;
         }
-        if (n == 5) { /* a lattice of the cube */
+        if (n == 6) { /* a lattice of the cube */
             cage.kind = CAGEFORM_LATTICE;
             cage.dimension = 3;
             cage.points[0] = cage.points[1] = cage.points[2] = 2;
             cage.origin[0] = cage.origin[1] = cage.origin[2] = -1;
             cage.axes[0][0] = cage.axes[1][1] = cage.axes[2][2] = 2;
         }
-        if (n >= 10) {
+        if (n >= 14) {
             cage.kind = CAGEFORM_CURVES;
             cage.vertices = points_of(controls, 10, CAGEFORM_DOUBLE, 2);
             cage.counts = degrees;
             cage.count_count = 4;
         }
         coordinates = coordinates_of(cage,
-                                     n < 4     ? types[n]
-                                     : n == 4  ? (uint32_t)CAGEFORM_MEAN_VALUE
-                                     : n == 5  ? (uint32_t)CAGEFORM_SPLINES
-                                     : n < 10  ? flat[n - 6]
-                                     : n == 10 ? (uint32_t)CAGEFORM_CURVED_GREEN
+                                     n < 5     ? types[n]
+                                     : n == 5  ? (uint32_t)CAGEFORM_MEAN_VALUE
+                                     : n == 6  ? (uint32_t)CAGEFORM_SPLINES
+                                     : n < 14  ? flat[n - 7]
+                                     : n == 14 ? (uint32_t)CAGEFORM_CURVED_GREEN
                                                : (uint32_t)CAGEFORM_GREEN, /* of curves it is the same */
                                      CAGEFORM_DOUBLE);
         info.size = sizeof info;
@@ -297,14 +299,14 @@ static void test_types(void) {
             size_t i;
             for (i = 0; i < info.vertices * info.dimension; ++i) vertices[i] += 3;
         }
-        if (n < 10) /* the vectors of curves are not behind the points alone */
+        if (n < 14) /* the vectors of curves are not behind the points alone */
             CHECK(cageform_pose_handles(
                       figure, points_of(vertices, info.vertices, CAGEFORM_DOUBLE, info.dimension),
                       output_of(pose, info.handles, CAGEFORM_DOUBLE, info.dimension)) == CAGEFORM_OK);
         CHECK(cageform_clone(figure, points_of(pose, info.handles, CAGEFORM_DOUBLE, info.dimension),
                              output_of(out, 1, CAGEFORM_DOUBLE, info.dimension), NULL, NULL,
                              NULL) == CAGEFORM_OK);
-        if (n < 10) CHECK(fabs(out[0] - (in_space ? middle[0] : there[0]) - 3) < 1e-9);
+        if (n < 14) CHECK(fabs(out[0] - (in_space ? middle[0] : there[0]) - 3) < 1e-9);
         cageform_free(figure);
         cageform_free(binding);
         cageform_free(coordinates);

@@ -8,8 +8,10 @@ import numpy as np
 
 import cageform
 from cageform import deform, library
+from cageform.properties import KINDS as TYPES
 
 folder = tempfile.mkdtemp()
+KINDS = [kind for kind, *_ in TYPES]
 
 
 def empty_scene():

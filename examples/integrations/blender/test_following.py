@@ -19,7 +19,7 @@ class Following(unittest.TestCase):
         self.assertGreater(len(figure.data.vertices), 45000)
         cage = bind(figure).cage
         rest = deform.rest_positions(cage)
-        for kind in ('mean-value', 'harmonic', 'green'):
+        for kind in KINDS:
             move(cage, rest)
             figure.cageform.bindings[0].kind = kind
             select_only(figure)
@@ -281,15 +281,17 @@ class Following(unittest.TestCase):
         """Vertices outside are counted, can be selected, and move as the setting says."""
         figure, cage = monkey(500), box(size=1.5)
         rest = deform.rest_positions(figure)
-        for outside in ('keep_in_place', 'nearest_boundary', 'extend'):
+        for kind, outside, stay in (('mean-value', 'keep_in_place', True), ('mean-value', 'nearest_boundary', False),
+                                    ('mean-value', 'extend', False), ('maximum-entropy', 'extend', True)):
             figure.cageform.bindings.clear()
-            binding = bind(figure, cage, kind='mean-value', outside=outside)
+            binding = bind(figure, cage, kind=kind, outside=outside)
             lies_outside = (np.abs(rest) > 0.75).any(axis=1)
-            self.assertIn('Vertices outside the cage: %d.' % lies_outside.sum(), binding.report)
+            words = 'Vertices outside the cage: %d. They %s.' % (lies_outside.sum(), 'stay' if stay else 'follow')
+            self.assertIn(words, binding.report)
             cage.location.x += 0.3
             bpy.context.view_layer.update()
             stays = (np.abs(key_of(figure) - rest).max(axis=1) < 1e-4)
-            self.assertEqual(bool(stays[lies_outside].all()), outside == 'keep_in_place', outside)
+            self.assertEqual(bool(stays[lies_outside].all()), stay, (kind, outside))
             cage.location.x -= 0.3
             bpy.context.view_layer.update()
         select_only(figure)

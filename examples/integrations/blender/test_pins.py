@@ -162,7 +162,7 @@ class Pins(unittest.TestCase):
         select_only(self.figure)
         self.figure.cageform.bindings[0].kind = 'green'
         bpy.ops.cageform.bind()
-        self.assert_refused(self.figure, 'bind with Harmonic or Mean Value')
+        self.assert_refused(self.figure, 'bind with another type')
 
     def assert_refused(self, figure, words, vertices=(0, 5)):
         with self.assertRaises(RuntimeError) as caught:

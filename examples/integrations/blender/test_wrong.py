@@ -117,14 +117,14 @@ class Wrong(unittest.TestCase):
         """The orientation of the normals of a cage does not change the motion of the mesh."""
         binding, rest, moved = self.use(self.cage), deform.rest_positions(self.cage), {}
         for inwards in (False, True):
-            for kind in ('harmonic', 'mean-value', 'green'):
+            for kind in KINDS:
                 binding.kind = kind
                 self.rebind()
                 move(self.cage, bent(rest, 0.1))
                 moved[kind, inwards] = key_of(self.figure)
                 move(self.cage, rest)
             self.cage.data.flip_normals()
-        for kind in ('harmonic', 'mean-value', 'green'):
+        for kind in KINDS:
             self.assertLess(off(moved[kind, True], moved[kind, False]), 1e-4, kind)
 
     def test_flat_and_empty(self):

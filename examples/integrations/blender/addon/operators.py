@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import deform, follow, library
+from .properties import INSIDE_ONLY
 
 
 def active_binding(context):
@@ -261,7 +262,7 @@ def words_of(report, binding):
     """Returns the result of a bind as text, one sentence per line."""
     lines = ['Bound %d vertices.' % report.points, 'It took %.2f s.' % report.seconds]
     if report.outside:
-        stays = binding.outside == 'keep_in_place' or binding.outside == 'extend' and binding.kind == 'harmonic'
+        stays = binding.outside == 'keep_in_place' or binding.outside == 'extend' and binding.kind in INSIDE_ONLY
         lines.append('Vertices outside the cage: %d. They %s.' % (report.outside, 'stay' if stays else 'follow'))
     if report.not_finite:
         lines.append('Vertices with a position that is not finite: %d. They stay.' % report.not_finite)

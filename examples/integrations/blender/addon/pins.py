@@ -28,7 +28,7 @@ def problem(binding):
     """Returns why pins cannot move the cage of a binding, as a sentence; '' if they can."""
     figure = deform.figure_of(binding)
     if figure.handles != figure.vertices:
-        return 'Pins do not work with Green: bind with Harmonic or Mean Value.'
+        return 'Pins do not work with Green: bind with another type.'
     shown = [modifier.name for modifier in binding.cage.modifiers if modifier.show_viewport]
     if shown:
         return 'Pins cannot move a cage with modifiers: apply "%s", or turn it off.' % shown[0]

@@ -4,13 +4,15 @@ import bpy
 
 from . import deform
 
-KINDS = [
-    ('harmonic', 'Harmonic', 'Best for characters: a limb does not move other limbs. Vertices outside the cage stay'),
-    ('mean-value', 'Mean Value', 'Binds fastest, and also moves vertices outside the cage'),
-    ('green', 'Green', 'Preserves angles and details; the mesh may leave the cage'),
+KINDS = [  # .blend files store the numbers
+    ('harmonic', 'Harmonic', 'Best for characters: a limb does not move other limbs. Vertices outside the cage stay', 0),
+    ('maximum-entropy', 'Maximum Entropy', 'No negative weight, no solve. Vertices outside the cage stay', 3),
+    ('mean-value', 'Mean Value', 'Binds fastest, and also moves vertices outside the cage', 1),
+    ('green', 'Green', 'Preserves angles and details; the mesh may leave the cage', 2),
 ]
+INSIDE_ONLY = ('harmonic', 'maximum-entropy')  # kinds without weights outside the cage
 OUTSIDE = [
-    ('extend', 'Follow', 'Vertices outside follow the cage; with Harmonic they stay'),
+    ('extend', 'Follow', 'Vertices outside follow the cage; with Harmonic and Maximum Entropy they stay'),
     ('keep_in_place', 'Stay', 'Vertices outside stay where they are'),
     ('nearest_boundary', 'Follow the Nearest Face', 'Vertices outside move with the nearest face of the cage'),
 ]
