@@ -98,7 +98,7 @@ void check_cage(const Cage& cage, Random& random, double limit = 1e5) {
     const auto points = points_inside(cage, effort<std::size_t>(48, 16), random);
     if (points.size() < 8) return; // a thin cage
     check_laws(adaptive, points, limit);
-    options.resolution = D == 2 ? 96 : 24;
+    options.resolution = D == 2 ? 96 : 40;
     const HarmonicCoordinates uniform(cage, options, cageform::UniformGrid{});
     const auto status = evaluate_all(uniform, points).status();
     if (status != Status::grid_too_coarse) check_laws(uniform, points, limit);
@@ -224,13 +224,44 @@ TEST_CASE("local harmonic weights do not depend on the unit of length, nor on wh
     CHECK(evaluate_all(HarmonicCoordinates(larger_star, options), points).rows == weights.rows);
 }
 
+TEST_CASE("local harmonic weights are accurate where all functions are small", "[coordinates][harmonic]") {
+    // In the middle of a square the largest function is 7e-7; by symmetry all weights are equal.
+    const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, middle{{0.5, 0.5}};
+    HarmonicOptions options{.locality = 40};
+    CHECK(difference(evaluate_all(HarmonicCoordinates(square, options), middle).rows[0],
+                     std::vector<double>(4, 0.25)) <= 1e-4);
+    options.resolution = 80;
+    const HarmonicCoordinates<double, 2> uniform(square, options, cageform::UniformGrid{});
+    CHECK(difference(evaluate_all(uniform, middle).rows[0], std::vector<double>(4, 0.25)) <= 1e-4);
+    options.resolution = 50;
+    HarmonicCoordinates<double, 2> coarse(square, options, cageform::UniformGrid{});
+    const auto [status, solver] = coarse.solve();
+    CHECK(status == Status::grid_too_coarse);
+    CHECK(solver.sufficient_resolution == 57); // 2 κ
+}
+
+TEST_CASE("gradients on the boundary of the cage are those inside", "[coordinates][harmonic]") {
+    const auto cage = read_oracle("harmonic2d_l_shape").cage<double>();
+    const HarmonicCoordinates coordinates(cage, {.accuracy = 1e-3, .locality = 20});
+    const auto corner = cage[0], next = cage[1];
+    Points2<double> points;
+    for (const double t : {0.2, 0.5, 0.8}) points.push_back(corner + t * (next - corner));
+    const auto gradients = gradients_of<double, 2>(coordinates, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CHECK(gradients.states[i] == PointState::on_boundary);
+        Vec<double, 2> moved{};
+        for (std::size_t k = 0; k < cage.size(); ++k) moved = moved + gradients.rows[i][k][0] * cage[k];
+        CHECK(distance(moved, Vec<double, 2>{1, 0}) <= 1e-6);
+    }
+}
+
 TEST_CASE("a locality out of range is refused, and stored functions of another locality too",
           "[coordinates][harmonic]") {
     const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const auto status_of = [&](double locality, auto solver) {
         constexpr bool is_uniform = std::is_same_v<decltype(solver), cageform::UniformGrid>;
         const HarmonicOptions options{
-            .accuracy = 0.05, .locality = locality, .resolution = is_uniform ? 32u : 0u};
+            .accuracy = 0.05, .resolution = is_uniform ? 64u : 0u, .locality = locality};
         HarmonicCoordinates<double, 2> coordinates(square, options, solver);
         return coordinates.solve().status;
     };

@@ -3,6 +3,7 @@
 #include "../support/gradients.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/polyhedra.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/maximum_entropy.hpp>
@@ -191,6 +192,69 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     for (auto& p : points) p = scale * p;
     const auto same = evaluate_all(Entropy<double, 2>(larger_cage), points);
     CHECK(weights.rows == same.rows);
+}
+
+TEMPLATE_TEST_CASE("gradients of maximum entropy weights on and next to the boundary keep the laws",
+                   "[coordinates][entropy][gradients]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(effort(10, 3)));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 60);
+    const auto check = [&]<std::size_t D>(const auto& cage, const std::vector<Vec<T, D>>& points) {
+        const auto gradients = gradients_of<T, D>(Entropy<T, D>(cage), points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CAPTURE(D, i);
+            CHECK((gradients.states[i] == PointState::on_boundary ||
+                   gradients.states[i] == PointState::inside));
+            // 1e-6 diagonals inside, K has an eigenvalue of about 1e-6.
+            CHECK(law_error<T, D>(cage.vertices(), points[i], gradients.rows[i]) <=
+                  (sizeof(T) == 8 ? 1e-8 : 2e-5));
+        }
+    };
+    const auto mesh = random_mesh(std::uint64_t(seed)).template mesh<T>();
+    std::vector<Vec<T, 3>> in_space;
+    for (int n = 0; n < 60; ++n) { // on faces, edges and vertices
+        const auto& face = mesh.faces()[random.below(mesh.faces().size())];
+        const double u = n % 3 == 2 ? 0.0 : random.uniform(0, 1);
+        const double v = n % 3 == 0 ? random.uniform(0, 1 - u) : 0.0;
+        in_space.push_back(mesh[face[0]] + T(u) * (mesh[face[1]] - mesh[face[0]]) +
+                           T(v) * (mesh[face[2]] - mesh[face[0]]));
+    }
+    check.template operator()<3>(mesh, in_space);
+    const Polygon<T> star(random_star<T>(std::uint64_t(seed)));
+    std::vector<Vec<T, 2>> in_plane;
+    for (std::size_t k = 0; k < star.size(); ++k) {
+        in_plane.push_back(star[k]);
+        in_plane.push_back(star[k] + T(random.uniform(0, 1)) * (star[(k + 1) % star.size()] - star[k]));
+    }
+    check.template operator()<2>(star, in_plane);
+}
+
+TEST_CASE("maximum entropy weights of faces of any shape are continuous and not negative",
+          "[coordinates][entropy][polyhedral]") {
+    const int seed = GENERATE(seeds(effort(10, 3)));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    for (const auto& data : {l_prism(), random_prism(std::uint64_t(seed))}) {
+        const auto cage = data.cage<double>();
+        const cageform::MaximumEntropyCoordinates coordinates(cage);
+        REQUIRE(coordinates.cage_report().status == Status::ok);
+        check_laws<double, 3>(cage, coordinates, random);
+        const double size = double(cageform::bounds_of(cage.vertices()).diagonal());
+        Points3<double> on, beside;
+        for (const auto& p : points_inside<double, 3>(cage, 40, random)) {
+            Vec<double, 3> place;
+            (void)cageform::nearest_boundary_value(cage, p, place);
+            on.push_back(place);
+            beside.push_back(place + (1e-9 * size / (1e-12 + distance(p, place))) * (p - place));
+        }
+        const auto rows = evaluate_all(coordinates, on), rows_beside = evaluate_all(coordinates, beside);
+        for (std::size_t i = 0; i < on.size(); ++i) {
+            if (rows_beside.states[i] != PointState::inside) continue;
+            CHECK(*std::min_element(rows.rows[i].begin(), rows.rows[i].end()) >= 0);
+            CHECK(difference(rows.rows[i], rows_beside.rows[i]) <= 1e-6);
+        }
+    }
 }
 
 TEST_CASE("points outside, in holes and in cavities have no maximum entropy weights",

@@ -60,7 +60,7 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p,
     const double area2 = dot(n, n);
     if (area2 > 0) {
         const double u = dot(cross(c - b, p - b), n) / area2, v = dot(cross(a - c, p - c), n) / area2;
-        if (u >= 0 && v >= 0 && u + v <= 1) return {u, v, 1 - u - v};
+        if (u >= 0 && v >= 0 && u + v <= 1) return {u, v, 1 - (u + v)};
     }
     std::array<double, 3> best{1, 0, 0};
     double least = std::numeric_limits<double>::infinity();

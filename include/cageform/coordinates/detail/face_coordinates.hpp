@@ -43,6 +43,12 @@ public:
         for (const auto& v : mesh.vertices()) vertices_.push_back(vec_cast<double>(v));
     }
 
+    /// Makes the values linear on the triangles of planar faces too.
+    void without_planar_faces() noexcept {
+        faces_.clear();
+        pieces_.clear();
+    }
+
     /// Calls f(handle, weight) for the handles with a non-zero value at a point. Throws bad_alloc.
     template <class F>
     void for_each_weight(const Value& value, F&& f) const {

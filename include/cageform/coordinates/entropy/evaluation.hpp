@@ -114,7 +114,7 @@ private:
                                        limits_at<S>(near_distance), p, memory.rows);
         // Inside, the sum is at least 2π (4π in space) over the diagonal (Hormann, Floater 2006, sec. 4.1).
         const X one(S(1)), zero(S(0));
-        const X skipped = select(found.sum < one, one, found.special);
+        const X skipped = select(one < found.sum, found.special, one); // also if the sum is not a number
         const X converged = project<N, S>(vertices<N>(), p, skipped, memory);
         const auto& weights = result<N>(memory);
         for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -167,18 +167,44 @@ private:
             }
         }
         Memory<N> memory(this->topology_, this->points());
-        Vec<double, D> place = this->scale_ * (vec_cast<double>(p) - vec_cast<double>(this->origin_));
-        (void)prior<N, double>(this->gradient_frame_, limits_at<double>(0), place, memory.rows);
-        if (project<N, double>(gradient_positions_, place, 0, memory) == 0) return PointState::unreached;
-        if (!store_weights<N>(std::span<const N>(result<N>(memory)), N(1.0), this->scale_, rows, lane))
+        bool is_found = false;
+        const auto find_at = [&](const Vec<typename Base::Wide, D>& q) {
+            const Vec<double, D> place =
+                this->scale_ * (vec_cast<double>(q) - vec_cast<double>(this->origin_));
+            const auto found =
+                prior<N, double>(this->gradient_frame_, limits_at<double>(0), place, memory.rows);
+            is_found = found.sum > 0 && project<N, double>(gradient_positions_, place, 0, memory) != 0;
+            return is_found;
+        };
+        if (on_boundary) {
+            using Wide = typename Base::Wide;
+            this->find_place_inside(vec_cast<double>(p), Wide(Base::step_inside) / Wide(this->scale_),
+                                    find_at);
+        } else {
+            (void)find_at(vec_cast<typename Base::Wide>(p));
+        }
+        if (!is_found ||
+            !store_weights<N>(std::span<const N>(result<N>(memory)), N(1.0), this->scale_, rows, lane))
             return PointState::unreached;
         return on_boundary ? PointState::on_boundary : PointState::inside;
     }
 
+    Status fill() {
+        if (this->report_.status != Status::ok) return this->report_.status;
+        return this->report_.status = guard_memory([&] {
+                   positions_ = this->template seen_from<T>(this->origin_, T(this->scale_));
+                   gradient_positions_ =
+                       this->template seen_from<double>(vec_cast<double>(this->origin_), this->scale_);
+                   // The facets of the prior are triangles, so boundary values are linear on triangles.
+                   if constexpr (requires { this->data_.without_planar_faces(); })
+                       this->data_.without_planar_faces();
+               });
+    }
+
     EntropyPrior prior_ = EntropyPrior::facing;
-    Buffer<Vec<T, D>> positions_ = this->template seen_from<T>(this->origin_, T(this->scale_));
-    Buffer<Vec<double, D>> gradient_positions_ =
-        this->template seen_from<double>(vec_cast<double>(this->origin_), this->scale_);
+    Buffer<Vec<T, D>> positions_;
+    Buffer<Vec<double, D>> gradient_positions_;
+    Status filled_ = fill(); // declared last: its initialiser fills the other members
 };
 
 } // namespace detail

@@ -8,6 +8,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Added to the values of a row whose largest is 1, so that all handles count: they surround a place that
+/// lies on the boundary up to rounding.
+inline constexpr double least_prior = 1e-9;
+
 /// Projects the prior q by EntropySolver. Returns 1 in lanes that converged.
 ///
 ///   N        a scalar, a register, or a Dual of one; the derivatives of Dual numbers are along the axes

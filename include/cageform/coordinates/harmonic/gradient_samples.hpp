@@ -23,8 +23,10 @@ public:
     /// Allocates the values of all functions.
     ///
     ///   places  of the points in order, in units of the cage
-    void reserve(std::vector<Vec<double, D>> places) {
+    ///   states  of all points of the batch
+    void reserve(std::vector<Vec<double, D>> places, std::span<PointState> states) {
         places_ = std::move(places);
+        states_ = states;
         values_.resize(places_.size() * handles_);
     }
     /// See StencilTable.
@@ -70,7 +72,8 @@ public:
         }
     }
 
-    /// Replaces the derivatives by those of the projected values (entropy/project.hpp).
+    /// Replaces the derivatives by those of the projected values (entropy/project.hpp). Sets the state of a
+    /// point without a result to unreached.
     ///
     ///   handles  #handles
     template <Scalar T>
@@ -82,16 +85,20 @@ public:
         for (std::size_t n = 0; n < points_.size(); ++n) {
             double largest = 0;
             for (std::size_t h = 0; h < handles_; ++h) {
-                N& value = row[h] = N((std::max)(values_[n * handles_ + h], 0.0));
+                N& value = row[h] = N(0.0);
+                if (!(values_[n * handles_ + h] > 0)) continue; // clamped
+                value.value = values_[n * handles_ + h];
                 largest = (std::max)(largest, value.value);
                 for (std::size_t axis = 0; axis < D; ++axis)
                     value.gradient[axis] = double(rows(points_[n], axis * handles_ + h)) / scale;
             }
             if (!(largest > 0)) continue; // no stencil
-            // Small positive values make sure that the handles surround the place.
-            for (N& value : row) value = N(1 / largest) * value + N(1e-15);
+            for (N& value : row) value = N(1 / largest) * value + N(least_prior);
             const auto u = [&](std::size_t h) { return scale * (handles[h] - places_[n]); };
-            (void)project_rows<N, D>(std::span(row), u, prior, weights, 0);
+            if (project_rows<N, D>(std::span(row), u, prior, weights, 0) == 0) {
+                states_[points_[n]] = PointState::unreached;
+                continue;
+            }
             for (std::size_t h = 0; h < handles_; ++h) {
                 for (std::size_t axis = 0; axis < D; ++axis)
                     rows(points_[n], axis * handles_ + h) = static_cast<T>(scale * row[h].gradient[axis]);
@@ -105,6 +112,7 @@ private:
     std::size_t handles_;
     std::vector<std::size_t> points_;
     std::vector<Vec<double, D>> places_; ///< parallel to points_
+    std::span<PointState> states_;
     StencilTable<D> stencils_;
     std::vector<double> values_; ///< #handles per point
 };

@@ -65,7 +65,9 @@ public:
         coarse_.scale_nodes(decay);
     }
 
-    std::size_t bytes() const noexcept { return fine_.bytes() + coarse_.bytes(); }
+    std::size_t bytes() const noexcept {
+        return fine_.bytes() + coarse_.bytes() + size_.capacity() * sizeof(float);
+    }
 
     /// Returns for each point the largest difference over functions [first, first + count).
     ///

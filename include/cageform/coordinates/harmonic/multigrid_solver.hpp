@@ -29,7 +29,23 @@ public:
         const Status status = detail::EmbeddedCage<D>::make(input, report, grid);
         if (status != Status::ok) return status;
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
-        made.emplace(std::move(*grid), input.options.multigrid, input.screening);
+        detail::EmbeddedCage<D>& embedded = *grid;
+        // Cells must resolve the decay of screened functions over 1/κ.
+        constexpr double most_decay = 0.5; // of a cell
+        const double rate = std::sqrt(input.screening), of_cell = rate * embedded.lattice().spacing;
+        if (of_cell > most_decay) {
+            report.sufficient_resolution =
+                std::size_t(double(embedded.resolution()) * of_cell / most_decay) + 1;
+            return Status::grid_too_coarse;
+        }
+        // Far inside, all functions are small: at the centre of a ball of radius r, about e^(−κr).
+        const auto bounds = bounds_of(input.cage.vertices());
+        const auto extent = bounds.upper - bounds.lower;
+        const double radius = 0.5 * *std::min_element(std::begin(extent.v), std::end(extent.v));
+        MultigridOptions options = input.options.multigrid;
+        options.tolerance = (std::max)(options.tolerance * std::exp(-rate * radius),
+                                       (std::min)(options.tolerance, least_tolerance));
+        made.emplace(std::move(embedded), options, input.screening);
         report.cells = made->multigrid_.unknowns();
         return Status::ok;
     }
@@ -138,6 +154,8 @@ public:
     }
 
 private:
+    static constexpr double least_tolerance = 1e-12; ///< that rounding allows
+
     /// Makes the corner functions of a polygon. There are none in 3D.
     static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<D>& grid,
                                             [[maybe_unused]] const MultigridOptions& options) {

@@ -29,11 +29,6 @@ struct HarmonicOptions {
     /// near field (harmonic/near_rows.hpp); their errors can reach 0.1 at points nearer to a small face than
     /// its width. SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
-    /// κ times the diagonal of the box around the cage, of local harmonic coordinates (HarmonicCoordinates).
-    /// 0: harmonic coordinates. 40 leaves out a fifth of the weights above 1 % in 2D, a tenth in 3D.
-    double locality = 0;
-    /// The largest locality. With a larger one, the functions vanish in the middle of wide cages.
-    static constexpr double most_locality = 40;
     /// UniformGrid: number of cells along the cage's longest side, 8 … 16384, in 3D 8 … 1024. UniformGrid
     /// ignores `accuracy`. AdaptiveGrid: 0.
     std::size_t resolution = 0;
@@ -42,6 +37,11 @@ struct HarmonicOptions {
     /// Default: 8 GiB, or 1 GiB for 32-bit addresses.
     std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
+    /// κ times the diagonal of the box around the cage, of local harmonic coordinates (HarmonicCoordinates).
+    /// 0: harmonic coordinates. 40 leaves out a fifth of the weights above 1 % in 2D, a tenth in 3D.
+    double locality = 0;
+    /// The largest locality. With a larger one, the functions vanish in the middle of wide cages.
+    static constexpr double most_locality = 40;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

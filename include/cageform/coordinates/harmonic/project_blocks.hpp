@@ -78,8 +78,7 @@ private:
         return left;
     }
 
-    /// Projects the row of a point with handles of tiny weight added: the handles with weight do not surround
-    /// a point that lies on the boundary up to rounding.
+    /// Projects the row of a point that the handles with weight do not surround, as next to the boundary.
     void project_one(const Batch<T>& batch, std::size_t i, std::span<double> prior,
                      std::span<double> weights) const {
         double largest = 0;
@@ -89,8 +88,7 @@ private:
             batch.states[i] = PointState::unreached;
             return;
         }
-        constexpr double tiny = 1e-9;
-        for (double& q : prior) q = q / largest + tiny;
+        for (double& q : prior) q = q / largest + least_prior;
         const auto p = scale_ * (vec_cast<double>(block_point<D>(batch.points, i)) - origin_);
         const auto u = [&](std::size_t h) { return exact_handles_[h] - p; };
         if (project_rows<double, D>(prior, u, {}, weights, 0.0) == 0) {

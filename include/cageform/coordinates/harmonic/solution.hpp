@@ -168,7 +168,9 @@ private:
         };
         const Status status = grid::solve_groups(solver(), report, sample_group, running);
         if (status != Status::ok) return status;
-        for (auto& piece : samples) solver().finish(piece, batch.rows);
+        in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) solver().finish(samples[n], batch.rows);
+        });
         return Status::ok;
     }
 

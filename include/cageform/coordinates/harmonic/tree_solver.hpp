@@ -322,7 +322,7 @@ public:
         });
         samples.scale_nodes(multigrid_.decay());
         for (Vec<double, D>& place : places) place = cage_->tree().boundary().in_cage(place);
-        samples.reserve(std::move(places));
+        samples.reserve(std::move(places), batch.states);
         return samples;
     }
     template <class AnySamples, class Solved, Scalar T> // Solved: a Block or kept Functions

@@ -197,11 +197,11 @@ protected:
             .sum;
     }
 
-    /// Computes the unnormalised weights at a point `step` inside from a boundary point p. The step goes
-    /// against the mean normal of the facets at p. If that leads outside, at very sharp corners, it goes
-    /// inwards from one of the facets.
-    template <class N>
-    N compute_weights_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
+    /// Calls accepts(q) for points q at a distance `step` from a boundary point p, until it returns true. The
+    /// first step goes against the mean normal of the facets at p. If that leads outside, at very sharp
+    /// corners, the next ones go inwards from one of the facets.
+    template <class Accepts>
+    void find_place_inside(const Vec<double, D>& p, Wide step, const Accepts& accepts) const {
         std::vector<Vec<double, D>> directions(1);
         for (const auto& facet : topology_.facets) {
             const auto corner = Facet<D>(facet, surface().vertices()).corner;
@@ -212,14 +212,19 @@ protected:
             directions[0] = directions[0] - normal;
             directions.push_back(to_middle - 0.25 * length(to_middle) * normal);
         }
-        N sum(Wide(0));
         for (const auto& direction : directions) {
             const Wide size = Wide(length(direction));
-            if (!(size > 0)) continue;
-            const auto q = vec_cast<Wide>(p) + (step / size) * vec_cast<Wide>(direction);
-            sum = compute_weights_at(q, step, memory);
-            if (value_of(sum) > 0) break;
+            if (size > 0 && accepts(vec_cast<Wide>(p) + (step / size) * vec_cast<Wide>(direction))) return;
         }
+    }
+    /// Computes the unnormalised weights at a point `step` inside from a boundary point p.
+    template <class N>
+    N compute_weights_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
+        N sum(Wide(0));
+        find_place_inside(p, step, [&](const Vec<Wide, D>& q) {
+            sum = compute_weights_at(q, step, memory);
+            return value_of(sum) > 0;
+        });
         return sum;
     }
 

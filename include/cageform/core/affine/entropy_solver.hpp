@@ -24,7 +24,7 @@ bool any_of(const Mask& mask) noexcept {
 template <class X, std::size_t D>
 struct SmallFactors {
     X lower[D][D]; ///< of L, below the diagonal
-    X inverse[D];  ///< 1/D
+    X inverse[D];  ///< reciprocals of the diagonal factor
 
     /// Adds `floor` to the diagonal.
     SmallFactors(const X (&matrix)[D][D], const X& floor) noexcept {
@@ -71,9 +71,8 @@ class EntropySolver {
 public:
     static constexpr int most_passes = 200; ///< rarely more than 10; more if the prior spans many magnitudes
     static constexpr S most_length = 4;     ///< upper bound of the components of u, for speed
+    static constexpr S most_multiplier = S(1e6); ///< a larger one means that no minimum exists
 
-    /// Throws nothing.
-    ///
     ///   q        the prior, not negative; not all zero
     ///   rows     scratch memory and result: the weights, not normalised
     EntropySolver(std::span<const X> q, const U& u, std::span<X> rows) noexcept
@@ -89,7 +88,7 @@ public:
         const X zero(S(0)), one(S(1)), tolerance(sizeof(S) == 4 ? S(1e-8) : S(1e-15));
         constexpr S rounding = 8 * std::numeric_limits<S>::epsilon();
         Vec<X, D> base{}, step{};
-        X least(S(0)), decrease(S(0)), is_sure(one), has_arrived(skipped);
+        X least(S(0)), decrease(S(0)), is_sure(one), has_arrived(skipped), has_failed(zero);
         shift_ = zero;
         for (std::size_t k = 0; k < q_.size(); ++k) rows_[k] = q_[k];
         for (passes_ = 0; passes_ < most_passes; ++passes_) {
@@ -115,20 +114,27 @@ public:
             for (std::size_t c = 0; c < D; ++c) multiplier_[c] = base[c] + step[c];
             change_ = step;
             has_arrived = select(decrease < tolerance, one, has_arrived);
-            if (!any_of(has_arrived < X(S(0.5)))) {
-                if (needs_factors)
-                    evaluate();
-                else
-                    evaluate_rows();
-                break;
-            }
+            // Without a minimum, the multiplier grows without bound.
+            X size(S(0));
+            for (const X& m : base.v) size = (max)(size, abs(m));
+            has_failed = select(both(X(most_multiplier) < size, has_arrived < X(S(0.5))), one, has_failed);
+            has_arrived = (max)(has_arrived, has_failed);
+            if (!any_of(has_arrived < X(S(0.5)))) break;
         }
-        return has_arrived;
+        if (needs_factors)
+            evaluate();
+        else
+            evaluate_rows();
+        return select(has_failed < X(S(0.5)), has_arrived, zero);
     }
     int passes() const noexcept { return passes_; }
     const Vec<X, D>& multiplier() const noexcept { return multiplier_; }
     const X& sum() const noexcept { return sum_; } ///< of the rows
-    SmallFactors<X, D> factors() const noexcept { return {hessian_, floor_}; }
+    /// Of the Hessian, for derivatives. Next to the boundary its least eigenvalue may be below the floor of
+    /// the steps.
+    SmallFactors<X, D> factors() const noexcept {
+        return {hessian_, X(std::numeric_limits<S>::epsilon()) * floor_ + X((std::numeric_limits<S>::min)())};
+    }
 
 private:
     /// Returns e^x for short steps; the error is below rounding.

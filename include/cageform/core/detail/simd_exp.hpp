@@ -33,7 +33,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> exp_reduced(const Simd<T>& r) noexcept {
     }
 }
 
-/// Returns e^a for a ≤ 0, to 2 ulp; zero where e^a would be below the normal numbers.
+/// Returns e^a for a ≤ 700 (float: 85), to 2 ulp; zero where e^a would be below the normal numbers.
 template <Scalar T>
 Simd<T> exp(const Simd<T>& a) noexcept {
     using Int = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;

@@ -49,8 +49,9 @@ public:
             const double next = re * offset[0] - im * offset[1];
             im = re * offset[1] + im * offset[0];
             re = next;
-            m[2 * k - 1] = re * factor(k);
-            m[2 * k] = im * factor(k);
+            const double of_degree = factor(k);
+            m[2 * k - 1] = re * of_degree;
+            m[2 * k] = im * of_degree;
         }
     }
 
