@@ -60,7 +60,7 @@ public:
         wanted[0] = Simd(T(1));
         for (std::size_t k = 0; k < D; ++k)
             wanted[k + 1] = (Simd::load(target[k]) - Simd(frame().centre[k])) * Simd(T(1) / frame().size);
-        return run_to(wanted, Simd(T(1)), bound, row, restore, only_points_ ? &scratch : nullptr);
+        return run_to({wanted, Simd(T(1))}, bound, row, restore, only_points_ ? &scratch : nullptr);
     }
 
     /// Restores weights of vectors. The threshold for a change is relative to the vectors' lengths.
@@ -68,7 +68,7 @@ public:
         Row wanted;
         wanted[0] = Simd(T(0));
         for (std::size_t k = 0; k < D; ++k) wanted[k + 1] = Simd::load(target[k]) * Simd(T(1) / frame().size);
-        return run_to(wanted, largest(wanted), bound, row, restore, nullptr);
+        return run_to({wanted, largest(wanted)}, bound, row, restore, nullptr);
     }
 
 private:
@@ -100,12 +100,18 @@ private:
         }
     };
 
-    /// Makes the row sums Σ w a equal `wanted`. Residuals below a few epsilon times `unit` count as
-    /// rounding errors. Without scratch memory, no weights are projected.
-    Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row, bool restore,
+    /// The row sums to reach. Residuals below a few epsilon times `unit` count as rounding errors.
+    struct Goal {
+        Row wanted;
+        Simd unit;
+    };
+
+    /// Makes the row sums Σ w a equal `goal.wanted`. Without scratch memory, no weights are projected.
+    Result run_to(const Goal& goal, const Lanes<T>& bound, Lanes<T>* row, bool restore,
                   Scratch* scratch) const {
+        const Row& wanted = goal.wanted;
         // Keeps weights with residuals below 4 epsilon: a change would destroy exact zeros on edges.
-        const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
+        const Simd enough = Simd(4 * epsilon<T>) * goal.unit, zero(T(0));
         Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
         State now(measure(wanted, [&](std::size_t i) { return Simd::load(row[i]); }));
@@ -139,7 +145,7 @@ private:
         now.least.store(result.least);
         now.sizes.store(result.sizes);
         // Far outside, weights grow with the distance, and so does the rounding of their sums.
-        const Simd rounding = Simd(128 * epsilon<T>) * max<T>(unit, largest(wanted));
+        const Simd rounding = Simd(128 * epsilon<T>) * max<T>(goal.unit, largest(wanted));
         select<T>(rounding < now.worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
         return result;
     }
