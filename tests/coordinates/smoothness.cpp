@@ -25,10 +25,9 @@ using cageform::Polygon;
 namespace {
 
 /// The largest fourth difference along a line is of order h^k in the step h, where k is the order of the
-/// first discontinuous derivative, at most four. Slopes of maximum entropy weights change like the
-/// root of the distance from the line of an edge.
-enum Smoothness { jumps = 0, continuous = 1, once = 2, twice = 3, always = 4 };
-constexpr double like_root = 1.5;
+/// first discontinuous derivative, at most four. Slopes of maximum entropy weights change like the root of
+/// the distance from the line of an edge, or from the plane of a face.
+constexpr double jumps = 0, continuous = 1, like_root = 1.5, once = 2, twice = 3, always = 4;
 
 template <std::size_t D>
 using Points = std::vector<Vec<double, D>>;
