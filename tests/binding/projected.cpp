@@ -7,6 +7,7 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/maximum_entropy.hpp>
 #include <cageform/coordinates/project.hpp>
+#include <cageform/core/affine/linear_restorer.hpp>
 
 #include <Eigen/Dense>
 
