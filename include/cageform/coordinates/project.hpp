@@ -17,7 +17,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   handles  H, #prior points
 ///   p        must lie inside the hull of the handles with q > 0
 ///   weights  out, #prior; may be `prior`. Unchanged unless the status is ok
-///   cost     some 5 to 10 passes of O(#prior), an exponential per handle; computed in double
+///   cost     some 5 to 10 passes of O(#prior), more next to the boundary of the hull; in double
 ///   fails    weights_do_not_match; weights_not_positive (a prior); value_not_finite (a handle or p);
 ///            point_not_surrounded; out_of_memory
 template <Scalar T, std::size_t D>
@@ -53,7 +53,8 @@ Status project(std::span<const T> prior, std::span<const Vec<T, D>> handles, con
         Vec<double, D> off{};
         if (solver.solve(0, false) == 0) return Status::point_not_surrounded;
         for (std::size_t k = 0; k < q.size(); ++k) off = off + (rows[k] / solver.sum()) * places[k];
-        if (!(dot(off, off) < 1e-20)) return Status::point_not_surrounded;
+        constexpr double missed = 1e-10; // of the extent of the handles about p; rounding is far below
+        if (!(dot(off, off) < missed * missed)) return Status::point_not_surrounded;
         std::fill(weights.begin(), weights.end(), T(0));
         for (std::size_t k = 0; k < q.size(); ++k) weights[numbers[k]] = T(rows[k] / solver.sum());
         return Status::ok;
