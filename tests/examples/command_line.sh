@@ -615,6 +615,9 @@ report $ok "why they are cut is said"
 works "an accuracy in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 -o accurate.obj --report
 grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
 report $ok "the adaptive grid is used, with the polygons as they are"
+works "a table in space, and of a lattice" "$programs/figure_table" inner.obj box.obj bent_box.obj all inner.obj lattice:2x2x2 lattice:2x2x2 splines
+grep -q '^inner  *sibson-c1 ' log && grep -q '^inner  *splines  *3  *8 ' log && ok=yes || ok=no
+report $ok "they have rows of control points and of the lattice"
 works "local harmonic coordinates in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 --locality 20 -o local.obj
 cmp -s accurate.obj local.obj && ok=no || ok=yes
 report $ok "a locality changes the pose in space"
@@ -1992,9 +1995,6 @@ works "a table of all types, at a grid of points" "$table" --grid 40 "$data/bipe
 awk '$2 == "mean-value" { least = $8; folds = $11 } $2 == "maximum-entropy" { entropy = $8; better = $11 } $2 == "harmonic" { itself = $10 }
   $2 == "barycentric" { extra = 1 } END { exit !(least < -0.2 && entropy == 0 && better > folds && itself == "0.000" && !extra) }' log && ok=yes || ok=no
 report $ok "by mean value the biped has negative weights and is deformed more; types that its cage does not support are left out"
-works "a table in space, and of a lattice" "$table" inner.obj box.obj bent_box.obj all inner.obj lattice:2x2x2 lattice:2x2x2 splines
-grep -q '^inner  *sibson-c1 ' log && grep -q '^inner  *splines  *3  *8 ' log && ok=yes || ok=no
-report $ok "they have rows of control points and of the lattice"
 works "a sheet" "$programs/contact_sheet" -o sheet.svg "at rest" "$cat" "a step" cat.svg
 works "a sheet of pictures" "$programs/contact_sheet" -o sheet.svg "a field" field.png "at rest" "$cat"
 grep -q 'image/png;base64,iVBORw0KGgo' sheet.svg && ok=yes || ok=no

@@ -303,8 +303,8 @@ int run_program(int argc, char** argv) {
     std::vector<std::string> words;
     Row row;
     line.add("rows", words,
-             "FIGURE CAGE POSE TYPE[,TYPE…], repeatedly; a type is a name of --coordinates of the other "
-             "programs, or all: those that support the cage. A lattice has only its own type. A pose with "
+             "FIGURE CAGE POSE TYPE[,TYPE…], repeatedly; a type has the name that other programs give it, "
+             "or is all: those that support the cage. A lattice has only its own type. A pose with "
              "the name of its cage is the cage at rest")
         .required();
     line.add("--grid", row.grid,
