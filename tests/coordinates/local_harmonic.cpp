@@ -5,6 +5,7 @@
 #include "../support/gradients.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/points_inside.hpp"
 #include "../support/polyhedra.hpp"
 #include "../support/weights.hpp"
 
@@ -20,27 +21,6 @@ using cageform::HarmonicOptions;
 using cageform::Polygon;
 
 namespace {
-
-/// Random points inside a cage, some of them next to a facet.
-template <class Cage>
-auto points_inside(const Cage& cage, std::size_t count, Random& random) {
-    using T = typename Cage::scalar;
-    constexpr std::size_t D = Cage::dimension;
-    const auto bounds = cageform::bounds_of(cage.vertices());
-    std::vector<Vec<T, D>> points;
-    for (int tries = 0; points.size() < count && tries < 200000; ++tries) {
-        Vec<T, D> p;
-        for (std::size_t k = 0; k < D; ++k) p[k] = T(random.uniform(bounds.lower[k], bounds.upper[k]));
-        if (tries % 4 == 0) {
-            Vec<T, D> place;
-            (void)cageform::nearest_boundary_value(cage, p, place);
-            p = place + T(std::pow(10.0, random.uniform(-12, -1))) * (p - place);
-        }
-        if (locate(cage, p, cageform::coincidence_tolerance(bounds)) == PointState::inside)
-            points.push_back(p);
-    }
-    return points;
-}
 
 /// Checks 0 ≤ w, Σ w = 1, Σ w C = p, Σ ∇w = 0 and Σ C ∇wᵀ = 1.
 ///
@@ -95,7 +75,7 @@ void check_cage(const Cage& cage, Random& random, double limit = 1e5) {
     CAPTURE(options.locality);
     const HarmonicCoordinates adaptive(cage, options);
     REQUIRE(adaptive.cage_report().status == Status::ok);
-    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random);
+    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random, 4);
     if (points.size() < 8) return; // a thin cage
     check_laws(adaptive, points, limit);
     options.resolution = D == 2 ? 96 : 40;
@@ -191,7 +171,7 @@ TEST_CASE("a larger locality concentrates the weights of the cat", "[coordinates
     // Not a theorem: it holds for the mean of Σ w² over a cage with limbs.
     const auto cage = read_oracle("harmonic2d_cat").cage<double>();
     Random random{1};
-    const auto points = points_inside(cage, 64, random);
+    const auto points = points_inside(cage, 64, random, 4);
     double before = 0;
     for (const double locality : {0.0, 10.0, 20.0, 40.0}) {
         const HarmonicCoordinates coordinates(cage, {.accuracy = 0.01, .locality = locality});
@@ -211,7 +191,7 @@ TEST_CASE("local harmonic weights do not depend on the unit of length, nor on wh
     const auto star = random_star<double>(7);
     const HarmonicOptions options{.accuracy = 0.01, .locality = 25};
     HarmonicCoordinates coordinates(star, options);
-    auto points = points_inside(coordinates.cage(), 40, random);
+    auto points = points_inside(coordinates.cage(), 40, random, 4);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(coordinates.solve().status == Status::ok);
     const auto kept = evaluate_all(coordinates, points);

@@ -3,6 +3,7 @@
 #include "../support/gradients.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/points_inside.hpp"
 #include "../support/polyhedra.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
@@ -71,31 +72,11 @@ nlohmann::json read_case(const std::string& name) {
     return read_json("../positive/" + name);
 }
 
-/// Random points inside a cage, half of them next to a facet.
-template <class T, std::size_t D, class Cage>
-std::vector<Vec<T, D>> points_inside(const Cage& cage, std::size_t count, Random& random) {
-    const auto bounds = cageform::bounds_of(cage.vertices());
-    std::vector<Vec<T, D>> points;
-    for (int tries = 0; points.size() < count && tries < 200000; ++tries) {
-        Vec<T, D> p;
-        for (std::size_t k = 0; k < D; ++k) p[k] = T(random.uniform(bounds.lower[k], bounds.upper[k]));
-        if (tries % 2 == 0) {
-            Vec<T, D> place;
-            (void)cageform::nearest_boundary_value(cage, p, place);
-            const double step = std::pow(10.0, random.uniform(-12, -2)); // of the way
-            p = place + T(step) * (p - place);
-        }
-        if (locate(cage, p, cageform::coincidence_tolerance(bounds)) == PointState::inside)
-            points.push_back(p);
-    }
-    return points;
-}
-
 /// Checks the laws that hold for every cage: 0 ≤ w, Σ w = 1, Σ w C = p, before anything restores them.
 template <class T, std::size_t D, class Cage, class C>
 void check_laws(const Cage& cage, const C& coordinates, Random& random) {
     REQUIRE(coordinates.cage_report().status == Status::ok);
-    const auto points = points_inside<T, D>(cage, effort<std::size_t>(64, 16), random);
+    const auto points = points_inside(cage, effort<std::size_t>(64, 16), random, 2);
     if (points.empty()) return; // a thin cage
     const auto weights = evaluate_all(coordinates, points);
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -173,7 +154,7 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     const auto check_simplex = [&]<std::size_t D>(const auto& cage, const auto& corners) {
-        const auto points = points_inside<double, D>(cage, 16, random);
+        const auto points = points_inside(cage, 16, random, 2);
         const auto weights = evaluate_all(Entropy<double, D>(cage), points);
         const auto expected = evaluate_all(cageform::BarycentricCoordinates<double, D>(corners), points);
         for (std::size_t i = 0; i < points.size(); ++i)
@@ -187,7 +168,7 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     auto star = random_star<double>(std::uint64_t(seed)), larger_star = star;
     for (auto& v : larger_star) v = scale * v;
     const Polygon<double> cage(star), larger_cage(larger_star);
-    auto points = points_inside<double, 2>(cage, 16, random);
+    auto points = points_inside(cage, 16, random, 2);
     const auto weights = evaluate_all(Entropy<double, 2>(cage), points);
     for (auto& p : points) p = scale * p;
     const auto same = evaluate_all(Entropy<double, 2>(larger_cage), points);
@@ -242,7 +223,7 @@ TEST_CASE("maximum entropy weights of faces of any shape are continuous and not 
         check_laws<double, 3>(cage, coordinates, random);
         const double size = double(cageform::bounds_of(cage.vertices()).diagonal());
         Points3<double> on, beside;
-        for (const auto& p : points_inside<double, 3>(cage, 40, random)) {
+        for (const auto& p : points_inside(cage, 40, random, 2)) {
             Vec<double, 3> place;
             (void)cageform::nearest_boundary_value(cage, p, place);
             on.push_back(place);
@@ -300,6 +281,29 @@ TEMPLATE_TEST_CASE("a projected row is not negative, reproduces its point, and k
     CHECK(difference(weights, again) <= 512 * double(epsilon<T>));
     const Vec<T, 3> outside{T(9), 3, 3};
     CHECK(project<T, 3>(prior, handles, outside, weights) == Status::point_not_surrounded);
+}
+
+TEST_CASE("the solver needs at most 60 passes where handles surround the point",
+          "[coordinates][entropy][solver]") {
+    const int seed = GENERATE(seeds(effort(300, 40)));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const std::size_t count = 5 + random.below(60);
+    Points3<double> handles(count);
+    std::vector<double> prior(count), weights(count);
+    Vec<double, 3> p{};
+    double sum = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        for (double& x : handles[k].v) x = random.uniform(-1, 1);
+        prior[k] = std::pow(10.0, random.uniform(-8, 0));
+        const double share = random.uniform(0.05, 1);
+        p = p + share * handles[k];
+        sum += share;
+    }
+    const auto u = [&](std::size_t k) { return handles[k] - (1 / sum) * p; };
+    cageform::detail::EntropySolver<double, 3, decltype(u)> solver(prior, u, weights);
+    CHECK(solver.solve(0, false) == 1);
+    CHECK(solver.passes() <= 60);
 }
 
 TEST_CASE("a projection refuses what has no weights", "[coordinates][entropy][solver]") {

@@ -17,14 +17,14 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   w_k = q_k e^(−λ·(C_k − p)) / Σ q e^(−λ·(C − p))
 ///
 /// with a multiplier λ of D numbers per point, found by Newton's method with a guaranteed descent. Our prior
-/// is the sum of the mean value weights of the facets that face the point, each facet weighted by the root of
-/// the integral of its unit vectors (entropy/facing.hpp). The published priors are EntropyPrior::mec1 and
-/// mec2, in the plane only: in space they depend on the unit of length.
+/// is a sum of mean value weights over the facets that face the point (entropy/facing.hpp). The published
+/// priors are EntropyPrior::mec1 and mec2. Both are for the plane only: in space they depend on the unit of
+/// length.
 ///
 ///   boundary   hat functions on edges and triangles; the unit row on vertices
 ///   range      [0, 1], Σ w = 1. Vertices of facets that do not face the point have weight 0
 ///   smooth     C^∞ inside, except in the planes of facets: there slopes change like the root of the
-///              distance. With mec1, mec2 C^∞ everywhere inside
+///              distance. With mec1, mec2 C^∞ everywhere inside.
 ///   outside    undefined, also in holes and cavities
 ///   accuracy   a few roundings, also next to the boundary
 ///   cost       about 10 times that of mean value coordinates in the plane, 4 times in space (`bench_bind`)
