@@ -75,7 +75,7 @@ void check_cage(const Cage& cage, Random& random, double limit = 1e5) {
     CAPTURE(options.locality);
     const HarmonicCoordinates adaptive(cage, options);
     REQUIRE(adaptive.cage_report().status == Status::ok);
-    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random, 4);
+    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random, 2);
     if (points.size() < 8) return; // a thin cage
     check_laws(adaptive, points, limit);
     options.resolution = D == 2 ? 96 : 40;

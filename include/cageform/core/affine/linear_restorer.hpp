@@ -36,7 +36,7 @@ public:
 
     /// The memory of projections; each thread needs its own.
     struct Scratch {
-        Buffer<Simd<T>> prior, weights;
+        Buffer<detail::Simd<T>> prior, weights;
     };
 
     explicit LinearRestorer(const HandleView<T, D>& handles, bool local = false)
