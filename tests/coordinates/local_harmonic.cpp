@@ -75,7 +75,7 @@ void check_cage(const Cage& cage, Random& random, double limit = 1e5) {
     CAPTURE(options.locality);
     const HarmonicCoordinates adaptive(cage, options);
     REQUIRE(adaptive.cage_report().status == Status::ok);
-    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random, 2);
+    const auto points = points_inside(cage, effort<std::size_t>(48, 16), random);
     if (points.size() < 8) return; // a thin cage
     check_laws(adaptive, points, limit);
     options.resolution = D == 2 ? 96 : 40;
@@ -171,7 +171,7 @@ TEST_CASE("a larger locality concentrates the weights of the cat", "[coordinates
     // Not a theorem: it holds for the mean of Σ w² over a cage with limbs.
     const auto cage = read_oracle("harmonic2d_cat").cage<double>();
     Random random{1};
-    const auto points = points_inside(cage, 64, random, 4);
+    const auto points = points_inside(cage, 64, random);
     double before = 0;
     for (const double locality : {0.0, 10.0, 20.0, 40.0}) {
         const HarmonicCoordinates coordinates(cage, {.accuracy = 0.01, .locality = locality});
@@ -191,7 +191,7 @@ TEST_CASE("local harmonic weights do not depend on the unit of length, nor on wh
     const auto star = random_star<double>(7);
     const HarmonicOptions options{.accuracy = 0.01, .locality = 25};
     HarmonicCoordinates coordinates(star, options);
-    auto points = points_inside(coordinates.cage(), 40, random, 4);
+    auto points = points_inside(coordinates.cage(), 40, random);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(coordinates.solve().status == Status::ok);
     const auto kept = evaluate_all(coordinates, points);

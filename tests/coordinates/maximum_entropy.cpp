@@ -76,7 +76,7 @@ nlohmann::json read_case(const std::string& name) {
 template <class T, std::size_t D, class Cage, class C>
 void check_laws(const Cage& cage, const C& coordinates, Random& random) {
     REQUIRE(coordinates.cage_report().status == Status::ok);
-    const auto points = points_inside(cage, effort<std::size_t>(64, 16), random, 2);
+    const auto points = points_inside(cage, effort<std::size_t>(64, 16), random);
     if (points.empty()) return; // a thin cage
     const auto weights = evaluate_all(coordinates, points);
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -154,7 +154,7 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     const auto check_simplex = [&]<std::size_t D>(const auto& cage, const auto& corners) {
-        const auto points = points_inside(cage, 16, random, 2);
+        const auto points = points_inside(cage, 16, random);
         const auto weights = evaluate_all(Entropy<double, D>(cage), points);
         const auto expected = evaluate_all(cageform::BarycentricCoordinates<double, D>(corners), points);
         for (std::size_t i = 0; i < points.size(); ++i)
@@ -168,7 +168,7 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     auto star = random_star<double>(std::uint64_t(seed)), larger_star = star;
     for (auto& v : larger_star) v = scale * v;
     const Polygon<double> cage(star), larger_cage(larger_star);
-    auto points = points_inside(cage, 16, random, 2);
+    auto points = points_inside(cage, 16, random);
     const auto weights = evaluate_all(Entropy<double, 2>(cage), points);
     for (auto& p : points) p = scale * p;
     const auto same = evaluate_all(Entropy<double, 2>(larger_cage), points);
@@ -223,7 +223,7 @@ TEST_CASE("maximum entropy weights of faces of any shape are continuous and not 
         check_laws<double, 3>(cage, coordinates, random);
         const double size = double(cageform::bounds_of(cage.vertices()).diagonal());
         Points3<double> on, beside;
-        for (const auto& p : points_inside(cage, 40, random, 2)) {
+        for (const auto& p : points_inside(cage, 40, random)) {
             Vec<double, 3> place;
             (void)cageform::nearest_boundary_value(cage, p, place);
             on.push_back(place);

@@ -10,9 +10,9 @@
 
 namespace cageform_tests {
 
-/// Random points inside a cage. One in `period` tries is next to a facet or an interior cell.
+/// Random points inside a cage. Every second try is next to a facet or an interior cell.
 template <class Cage>
-auto points_inside(const Cage& cage, std::size_t count, Random& random, int period) {
+auto points_inside(const Cage& cage, std::size_t count, Random& random) {
     using T = typename Cage::scalar;
     constexpr std::size_t D = Cage::dimension;
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -20,7 +20,7 @@ auto points_inside(const Cage& cage, std::size_t count, Random& random, int peri
     for (int tries = 0; points.size() < count && tries < 200000; ++tries) {
         Vec<T, D> p;
         for (std::size_t k = 0; k < D; ++k) p[k] = T(random.uniform(bounds.lower[k], bounds.upper[k]));
-        if (tries % period == 0) {
+        if (tries % 2 == 0) {
             Vec<T, D> place;
             (void)cageform::nearest_boundary_value(cage, p, place);
             const double step = std::pow(10.0, random.uniform(-12, -1)); // of the way
