@@ -105,6 +105,45 @@ Polygon<T> star_with_hole(std::uint64_t seed) {
     return {outer, std::vector<std::size_t>{count, count}};
 }
 
+/// A random mesh, with its copies: one in a cavity or one beside it.
+MeshData random_shells(std::uint64_t seed) {
+    MeshData data = random_mesh(seed);
+    const std::size_t count = data.vertices.size(), faces = data.faces.size();
+    const auto bounds = cageform::bounds_of(std::span<const Vec<double, 3>>(data.vertices));
+    const Vec<double, 3> centre = 0.5 * (bounds.lower + bounds.upper);
+    const bool is_cavity = seed % 4 != 3; // else a torus
+    for (std::size_t k = 0; k < count; ++k) {
+        auto copy = data.vertices[k];
+        if (is_cavity)
+            copy = centre + 0.4 * (copy - centre);
+        else
+            copy[0] += 1.1 * (bounds.upper[0] - bounds.lower[0]);
+        data.vertices.push_back(copy);
+    }
+    for (std::size_t f = 0; f < faces; ++f) {
+        auto face = data.faces[f];
+        for (auto& k : face) k += decltype(face[0] + 0)(count);
+        if (is_cavity) std::swap(face[0], face[1]);
+        data.faces.push_back(face);
+    }
+    return data;
+}
+
+/// Checks that rows at a distance of 1e-12 diagonals from facets are close to barycentric rows.
+template <std::size_t D, class Cage>
+void check_facets(const Cage& cage, Random& random) {
+    const Entropy<double, D> coordinates(cage);
+    const double size = double(cageform::bounds_of(cage.vertices()).diagonal());
+    for (const auto& p : points_inside(cage, 16, random)) {
+        std::vector<double> hats(cage.size());
+        const auto place = coordinates.nearest_boundary(p, hats);
+        const std::vector beside{place + (1e-12 * size / (1e-12 * size + distance(p, place))) * (p - place)};
+        const auto weights = evaluate_all(coordinates, beside);
+        // Small facets have slopes of up to 500 per diagonal; the median difference is 4e-12.
+        CHECK(difference(weights.rows[0], hats) <= 1e-9);
+    }
+}
+
 } // namespace
 
 TEMPLATE_TEST_CASE("maximum entropy weights and gradients are those of the references",
@@ -144,8 +183,12 @@ TEMPLATE_TEST_CASE("maximum entropy weights are never negative, sum to 1 and rep
     const auto hollow = star_with_hole<T>(std::uint64_t(seed));
     if (Entropy<T, 2>(hollow).cage_report().status == Status::ok)
         check_laws<T, 2>(hollow, Entropy<T, 2>(hollow), random);
-    const auto mesh = random_mesh(std::uint64_t(seed)).template mesh<T>();
-    check_laws<T, 3>(mesh, Entropy<T, 3>(mesh), random);
+    for (const auto& data : {random_mesh(std::uint64_t(seed)), random_shells(std::uint64_t(seed))}) {
+        const auto mesh = data.template mesh<T>();
+        check_laws<T, 3>(mesh, Entropy<T, 3>(mesh), random);
+        if constexpr (sizeof(T) == 8) check_facets<3>(mesh, random);
+    }
+    if constexpr (sizeof(T) == 8) check_facets<2>(star, random);
 }
 
 TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depend on the unit of length",
@@ -163,6 +206,11 @@ TEST_CASE("maximum entropy weights of a simplex are barycentric, and do not depe
     Points2<double> triangle(3);
     for (auto& v : triangle) v = {random.uniform(-1, 1), random.uniform(-1, 1)};
     check_simplex.template operator()<2>(Polygon<double>(triangle), triangle);
+    Points3<double> corners(4);
+    for (auto& v : corners) v = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const TriangleMesh<double> tetrahedron(
+        corners, std::vector<std::array<int, 3>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
+    check_simplex.template operator()<3>(tetrahedron, corners);
 
     const double scale = std::ldexp(1.0, int(random.below(40)) - 20);
     auto star = random_star<double>(std::uint64_t(seed)), larger_star = star;

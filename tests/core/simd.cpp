@@ -2,6 +2,7 @@
 #include "../support/cages.hpp"
 
 #include <cageform/core/detail/number.hpp>
+#include <cageform/core/detail/simd_exp.hpp>
 #include <cageform/core/detail/simd_log.hpp>
 
 #include <bit>
@@ -211,6 +212,30 @@ TEMPLATE_TEST_CASE("log of registers is accurate", "[core][simd][property]", CAG
         CAPTURE(i, numbers[i], logs[i]);
         CHECK(std::fabs(static_cast<long double>(logs[i]) - expected) <=
               2.0L * static_cast<long double>(epsilon<T>) * std::fabs(expected)); // four roundings
+    }
+}
+
+TEMPLATE_TEST_CASE("exp of registers is accurate", "[core][simd][property]", CAGEFORM_SCALARS) {
+    using T = TestType;
+    using limits = std::numeric_limits<T>;
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const double most = sizeof(T) == 8 ? 700 : 85;
+    Lanes<T> numbers, powers;
+    for (T& x : numbers.v) x = T(random.uniform(-1.1 * most, most) * std::pow(10.0, random.uniform(-9, 0)));
+    numbers[0] = 0;
+    numbers[1] = random.below(2) == 0 ? -limits::infinity() : limits::lowest();
+    numbers[2] = T(most);
+    exp(Simd<T>::load(numbers)).store(powers);
+    CHECK(powers[0] == 1);
+    for (std::size_t i = 0; i < lane_count<T>; ++i) {
+        const long double expected = std::exp(static_cast<long double>(numbers[i]));
+        CAPTURE(i, numbers[i], powers[i]);
+        // Powers up to 4 times the least normal number may be zero.
+        const auto vanishing = powers[i] == 0 ? 4 * static_cast<long double>(limits::min()) : 0.0L;
+        CHECK(std::fabs(static_cast<long double>(powers[i]) - expected) <=
+              (std::max)(2.0L * static_cast<long double>(epsilon<T>) * expected, vanishing));
     }
 }
 

@@ -59,18 +59,10 @@ private:
 
     template <class N>
     Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
-        const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
-        const bool folds = this->points() != cage_.size();
-        return evaluate_blocks(this->report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            Memory<N> memory(this->topology_, this->points());
-            std::vector<Lanes<T>> of_points(folds ? rows / cage_.size() * this->points() : 0);
-            for (std::size_t b = begin; b < end; ++b) {
-                Lanes<T>* const own = folds ? of_points.data() : batch.rows.block(b);
-                for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
-                    evaluate_lanes(batch, b, first, own, memory);
-                if (folds) this->fold(rows / cage_.size(), own, batch.rows.block(b));
-            }
-        });
+        return this->template evaluate_blocks_with<N, Memory<N>>(
+            batch, running, [&](std::size_t b, std::size_t first, Lanes<T>* rows, Memory<N>& memory) {
+                evaluate_lanes(batch, b, first, rows, memory);
+            });
     }
 
     /// Computes the weights of a number at p, in units of the frame. Returns 1 in lanes that converged.

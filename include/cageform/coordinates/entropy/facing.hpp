@@ -12,49 +12,57 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes the prior in `rows.weights`. Returns the sum of all mean value weights, which is positive inside
-/// and negative outside. Flags points near the boundary as `compute_weights` does.
+/// Calls f(i, next, from, to, edge) for all edges. Returns the sum of all mean value weights, which is positive
+/// inside and negative outside. Flags points near the boundary as `compute_weights` does.
+template <class N, class S, class F>
+WeightSum<ValueOf<N>> for_each_seen_edge(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
+                                         const Vec<ValueOf<N>, 2>& p, const F& f) noexcept {
+    using X = ValueOf<N>;
+    const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance);
+    X least_rr((std::numeric_limits<S>::max)()), least_clearance = least_rr, sum = zero;
+    const auto spoke_to = [&](std::size_t i) {
+        Spoke<N> spoke(cage.corners[i].position, p);
+        if constexpr (!estimates_roots<N>) spoke.inverse_r = one / spoke.r;
+        return spoke;
+    };
+    for (const auto& loop : cage.loops) {
+        const Spoke<N> first = spoke_to(loop.begin);
+        Spoke<N> from = first;
+        for (std::size_t i = loop.begin; i < loop.end; ++i) {
+            const auto& corner = cage.corners[i];
+            const std::size_t next = i + 1 == loop.end ? loop.begin : i + 1;
+            const Spoke<N> to = next == loop.begin ? first : spoke_to(next);
+            least_rr = (min)(to.rr, least_rr);
+            const SeenEdge<N> edge(from, to, corner.edge);
+            least_clearance = (min)(abs(value_of(edge.denominator)) - X(limits.near_distance * corner.extent),
+                                    least_clearance);
+            sum = sum + value_of(edge.numerator) / value_of(edge.denominator) *
+                            (value_of(from.inverse_r) + value_of(to.inverse_r));
+            f(i, next, from, to, edge);
+            from = to;
+        }
+    }
+    X special = select(least_rr <= on_vertex, one, zero);
+    special = select(least_clearance <= zero, one, special);
+    return {sum, special};
+}
+
+/// Computes the prior in `rows.weights`. Returns as `for_each_seen_edge`.
 template <class N, class S>
 WeightSum<ValueOf<N>> compute_facing(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                                      const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
-    const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance);
-    X special = zero, least_rr((std::numeric_limits<S>::max)()), least_clearance = least_rr, sum = zero;
-    for (N& q : rows.weights) q = N(zero);
-    for (const auto& loop : cage.loops) {
-        const Spoke<N> first(cage.corners[loop.begin].position, p);
-        const N first_inverse = one / first.r;
-        Spoke<N> from = first;
-        N from_inverse = first_inverse;
-        for (std::size_t i = loop.begin; i < loop.end; ++i) {
-            const auto& corner = cage.corners[i];
-            const bool is_last = i + 1 == loop.end;
-            const std::size_t next = is_last ? loop.begin : i + 1;
-            const Spoke<N> to = is_last ? first : Spoke<N>(cage.corners[next].position, p);
-            const N to_inverse = is_last ? first_inverse : one / to.r;
-            least_rr = (min)(to.rr, least_rr);
-            const auto &u = from.u, &v = to.u;
-            const X ex(corner.edge[0]), ey(corner.edge[1]);
-            const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
-            const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
-            const auto acute = zero < value_of(d);
-            const N s = from.r * to.r + select(acute, d, -d);
-            const N numerator = select(acute, c, s), denominator = select(acute, s, c); // of tan(α/2)
-            least_clearance =
-                (min)(abs(value_of(denominator)) - X(limits.near_distance * corner.extent), least_clearance);
-            const N tangent = numerator / denominator;
-            const N half_mu = numerator / sqrt(numerator * numerator + denominator * denominator);
-            const N facing = select(zero < value_of(c), sqrt(X(S(2)) * half_mu) * tangent, N(zero));
-            rows.weights[i] += facing * from_inverse;
-            rows.weights[next] += facing * to_inverse;
-            sum = sum + value_of(tangent) * (value_of(from_inverse) + value_of(to_inverse));
-            from = to;
-            from_inverse = to_inverse;
-        }
-    }
-    special = select(least_rr <= on_vertex, one, special);
-    special = select(least_clearance <= zero, one, special);
-    return {sum, special};
+    for (N& q : rows.weights) q = N(X(S(0)));
+    return for_each_seen_edge<N>(cage, limits, p,
+                                 [&](std::size_t i, std::size_t next, const Spoke<N>& from,
+                                     const Spoke<N>& to, const SeenEdge<N>& edge) {
+                                     const N &a = edge.numerator, &b = edge.denominator;
+                                     const N half_mu = a / sqrt(a * a + b * b);
+                                     const N facing = select(X(S(0)) < value_of(edge.c),
+                                                             sqrt(X(S(2)) * half_mu) * (a / b), N(X(S(0))));
+                                     rows.weights[i] += facing * from.inverse_r;
+                                     rows.weights[next] += facing * to.inverse_r;
+                                 });
 }
 
 template <class N, class S>

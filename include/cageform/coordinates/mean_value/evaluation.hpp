@@ -98,20 +98,31 @@ protected:
         }
     }
 
-    template <class N>
-    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
+    /// Evaluates a batch.
+    ///
+    ///   lanes(b, first, rows, memory)  as `evaluate_lanes`, with memory of the type Memory
+    template <class N, class Memory, class EvaluateLanes>
+    Evaluation evaluate_blocks_with(const Batch<T>& batch, const Running& running,
+                                    const EvaluateLanes& lanes) const {
         const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
         const bool folds = points() != cage_.size();
         return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            Rows<N> memory(topology_, points());
+            Memory memory(topology_, points());
             std::vector<Lanes<T>> of_points(folds ? rows / cage_.size() * points() : 0);
             for (std::size_t b = begin; b < end; ++b) {
                 Lanes<T>* const own = folds ? of_points.data() : batch.rows.block(b);
                 for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
-                    evaluate_lanes(batch, b, first, own, memory);
+                    lanes(b, first, own, memory);
                 if (folds) fold(rows / cage_.size(), own, batch.rows.block(b));
             }
         });
+    }
+    template <class N>
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
+        return evaluate_blocks_with<N, Rows<N>>(
+            batch, running, [&](std::size_t b, std::size_t first, Lanes<T>* rows, Rows<N>& memory) {
+                evaluate_lanes(batch, b, first, rows, memory);
+            });
     }
     /// Distributes rows of means to the vertices, for weights or for derivatives along several axes.
     void fold([[maybe_unused]] std::size_t axes, [[maybe_unused]] const Lanes<T>* from,

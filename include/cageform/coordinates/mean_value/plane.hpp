@@ -80,13 +80,33 @@ struct Spoke {
     }
 };
 
+/// The angle α of an edge e seen from the point, by u and v to its ends: c = u × e = |u||v| sin α, and
+/// s = |u||v| (1 + |cos α|). c is computed from the edge because u × v cancels far away.
+template <class N>
+struct SeenEdge {
+    using X = ValueOf<N>;
+    decltype(X() < X()) acute;
+    N c, s;
+    N numerator, denominator; ///< of tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever form does not cancel
+
+    template <class S>
+    SeenEdge(const Spoke<N>& from, const Spoke<N>& to, const Vec<S, 2>& edge) noexcept {
+        const auto &u = from.u, &v = to.u;
+        const X ex(edge[0]), ey(edge[1]);
+        c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
+        const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
+        acute = X(0) < value_of(d);
+        s = from.r * to.r + select(acute, d, -d); // |d|; at d = 0 with the slope of −d
+        numerator = select(acute, c, s);
+        denominator = select(acute, s, c);
+    }
+};
+
 /// Computes the unnormalised weights of Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1):
 ///
 ///   w_i = (t_{i−1} + t_i) / r_i,   t_i = tan(α_i/2),   α_i the signed angle C_i p C_{i+1}
 ///
-/// With u = C_i − p, v = C_{i+1} − p and e the edge, c = u × e is |u||v| sin α and d = u·v is |u||v| cos α. c
-/// is computed from the edge because u × v cancels far away. tan(α/2) = sin/(1 + cos) = (1 − cos)/sin,
-/// whichever form does not cancel. A single division, by the tangent's denominator times |v|, yields the
+/// A single division, by the tangent's denominator times |v|, yields the
 /// tangent and 1/|v|, unless 1/|v| comes with the root.
 template <class N, class S>
 WeightSum<N> compute_weights(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
@@ -105,13 +125,8 @@ WeightSum<N> compute_weights(const MeanValueFrame<S, 2>& cage, const MeanValueLi
             const auto& corner = cage.corners[i];
             const Spoke<N> to = i + 1 < loop.end ? Spoke<N>(cage.corners[i + 1].position, p) : first;
             least_rr = (min)(to.rr, least_rr);
-            const auto &u = from.u, &v = to.u;
-            const X ex(corner.edge[0]), ey(corner.edge[1]);
-            const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
-            const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
-            const auto acute = zero < value_of(d);
-            const N s = from.r * to.r + select(acute, d, -d); // |d|; at d = 0 with the slope of −d
-            const N numerator = select(acute, c, s), denominator = select(acute, s, c);
+            const SeenEdge<N> edge(from, to, corner.edge);
+            const N &numerator = edge.numerator, &denominator = edge.denominator;
             least_clearance =
                 (min)(abs(value_of(denominator)) - X(limits.near_distance * corner.extent), least_clearance);
             N t, inverse_next;
