@@ -12,8 +12,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls f(i, next, from, to, edge) for all edges. Returns the sum of all mean value weights, which is positive
-/// inside and negative outside. Flags points near the boundary as `compute_weights` does.
+/// Calls f(i, next, from, to, edge) for all edges. Returns the sum of all mean value weights, which is
+/// positive inside and negative outside. Flags points near the boundary as `compute_weights` does.
 template <class N, class S, class F>
 WeightSum<ValueOf<N>> for_each_seen_edge(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                                          const Vec<ValueOf<N>, 2>& p, const F& f) noexcept {
