@@ -1,5 +1,5 @@
-// Published positive coordinates that the library leaves out, computed from their definitions, and the
-// passes of the solver of maximum entropy coordinates.
+// Published positive coordinates in space that the library leaves out, computed from their definitions, and
+// the passes of the solver of maximum entropy coordinates.
 //
 //     bench_published [POINTS]
 //

@@ -13,7 +13,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// handles at rest) are preserved. Rest and affine poses are therefore as exact as before:
 ///
 ///   - Without a tolerance, the kept weights change by the smallest amount, in the least-squares sense,
-///     that restores both sums. Where this change would make the first weights of a point negative, they
+///     that restores both sums. Where this change would make a non-negative row negative, the weights
 ///     become those of `project` (coordinates/project.hpp), if the kept handles with positive weights
 ///     surround the point. With a tolerance, all kept weights are refitted, see below.
 ///   - D + 1 numbers per point store the errors of the sums by rounding (figure/packed_binding.hpp). Scalar

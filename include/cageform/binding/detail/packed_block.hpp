@@ -52,8 +52,8 @@ public:
     }
 
     /// Restores the row sums of the points by the smallest change of their weights (2-norm). Where this
-    /// change would make the first weights of a point negative, they are projected instead. Returns the
-    /// largest change.
+    /// change would make a non-negative row negative, the row is projected instead. Returns the largest
+    /// change.
     Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {

@@ -24,9 +24,9 @@ enum class OutsidePoints : std::uint8_t {
 
 /// Whether to correct weights that violate Σw = 1 or Σwc = p (solvers leave a residual), by the
 /// smallest change in the least-squares sense. Affine poses are then exact. Where this change would make
-/// the first weights of a point negative, `project` (coordinates/project.hpp) finds weights that are not
-/// negative. They do not exist if the handles with positive weights do not surround the point; the smallest
-/// change is then made. A change that would not lower the residual is not made (BindReport::not_restored).
+/// a non-negative row negative, `project` (coordinates/project.hpp) finds weights that are not negative.
+/// They do not exist if the handles with positive weights do not surround the point; the smallest change is
+/// then made. A change that would not lower the residual is not made (BindReport::not_restored).
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {

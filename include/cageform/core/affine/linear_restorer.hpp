@@ -22,9 +22,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// With `local`, zero weights stay zero. The change is then the smallest one among the other handles, Q
 /// M⁻¹ R⁻ᵀ r. M is the sum of q qᵀ over the rows q of Q of these handles.
 ///
-/// Where this change would make the first weights of a point negative, its weights are projected instead
-/// (entropy_solver.hpp): they stay positive or zero. If the handles with positive weights do not surround the
-/// point, no such weights exist, and the change is made. Weights of vectors, and of handles that include
+/// Where this change would make a non-negative row negative, the row is projected instead
+/// (entropy_solver.hpp): weights stay positive or zero. If the handles with positive weights do not surround
+/// the point, no such weights exist, and the change is made. Weights of vectors, and of handles that include
 /// vectors, are not projected.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
