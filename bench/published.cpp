@@ -1,5 +1,6 @@
-// Published positive coordinates in space that the library leaves out, computed from their definitions, and
-// the passes of the solver of maximum entropy coordinates.
+// Computes two published coordinates in space, MEC-1 and MLC, from their definitions. The library does not
+// have them in space, and the printed numbers show why: MEC-1 depends on the unit of length, and MLC has no
+// solution at many points. Also counts the passes of the solver of maximum entropy coordinates.
 //
 //     bench_published [POINTS]
 //
@@ -21,8 +22,9 @@ using Points = std::vector<Point>;
 using Mesh = cageform::TriangleMesh<double>;
 using Entropy = cageform::MaximumEntropyCoordinates<double, 3>;
 
-/// MEC-1 as extended to space: the prior of a vertex is the product of 1/(A₁ + A₂ + A₃ − A) over its faces. A
-/// is the area of the face, A₁ to A₃ are those of the triangles from p to its edges.
+/// Returns the weights of MEC-1 as extended to space; empty if the solver finds none. The prior of a vertex
+/// is the product of 1/(A₁ + A₂ + A₃ − A) over its faces. A is the area of the face, A₁ to A₃ are those of
+/// the triangles from p to its edges.
 std::vector<double> mec1(const Mesh& cage, const Point& p) {
     std::vector<double> prior(cage.size()), weights(cage.size());
     for (const auto& face : cage.faces()) {
@@ -33,12 +35,13 @@ std::vector<double> mec1(const Mesh& cage, const Point& p) {
     }
     const double most = *std::max_element(prior.begin(), prior.end());
     for (double& q : prior) q = std::exp(q - most);
-    (void)cageform::project<double, 3>(prior, cage.vertices(), p, weights);
+    if (cageform::project<double, 3>(prior, cage.vertices(), p, weights) != Status::ok) weights.clear();
     return weights;
 }
 
-/// Whether maximum likelihood coordinates exist: p is inside the hull of its points v_k, the sums over the
-/// faces of a vertex of the unit vectors along the integrals of the face's directions.
+/// Returns whether maximum likelihood coordinates exist. A face has the integral of the unit vectors from p
+/// to the face. A vertex has the sum of the unit vectors along the integrals of its faces. The coordinates
+/// exist if the origin is inside the hull of these sums.
 bool has_likelihood(const Mesh& cage, const Point& p) {
     Points directions(cage.size());
     for (const auto& face : cage.faces()) {
@@ -54,13 +57,13 @@ bool has_likelihood(const Mesh& cage, const Point& p) {
     return cageform::project<double, 3>(ones, directions, Point{}, weights) == Status::ok;
 }
 
-/// Prints the solver's passes at the points, the least weight, and how many points have no weights.
+/// Prints the mean and the largest number of passes of the solver, the least weight, and the number of points
+/// without weights.
 void print_passes(const Mesh& cage, const Points& points) {
     using cageform::PointState;
     namespace detail = cageform::detail;
     const detail::MeanValueTopology<3> topology(cage);
-    const auto bounds = cageform::bounds_of(cage.vertices());
-    const double scale = double(cageform::unit_scale(bounds));
+    const double scale = cageform::unit_scale(cageform::bounds_of(cage.vertices()));
     cageform::Buffer<Point> at;
     for (const auto& v : cage.vertices()) at.push_back(scale * (v - cage[0]));
     const detail::MeanValueFrame<double, 3> frame(topology, at);
@@ -106,7 +109,8 @@ int main(int argc, char** argv) {
         for (const auto& p : points) {
             without += has_likelihood(cage, p) ? 0 : 1;
             const auto small_row = mec1(cage, p), large_row = mec1(larger_cage, 100.0 * p);
-            for (std::size_t k = 0; k < cage.size(); ++k) {
+            if (large_row.empty()) continue;
+            for (std::size_t k = 0; k < small_row.size(); ++k) {
                 if (std::fabs(small_row[k] - large_row[k]) <= change) continue;
                 change = std::fabs(small_row[k] - large_row[k]);
                 before = small_row[k];
@@ -119,9 +123,11 @@ int main(int argc, char** argv) {
                    larger_rows = cageform_tests::evaluate_all(ours_larger, larger_points);
         for (std::size_t i = 0; i < points.size(); ++i)
             our_change = larger(our_change, cageform_tests::difference(rows.rows[i], larger_rows.rows[i]));
-        std::printf("%s, %zu points\n  MEC-1, from metres to centimetres: a weight changes from %.3f to "
-                    "%.3f; maximum "
-                    "entropy: by %.1g\n  MLC has no solution at %.1f %%\n  maximum entropy, ",
+        std::printf("%s, %zu points\n"
+                    "  MEC-1, from metres to centimetres: a weight changes from %.3f to %.3f\n"
+                    "  maximum entropy: by %.1g\n"
+                    "  MLC has no solution at %.1f %%\n"
+                    "  maximum entropy, ",
                     name.c_str(), points.size(), before, after, our_change,
                     100 * double(without) / double(points.size()));
         print_passes(cage, points);

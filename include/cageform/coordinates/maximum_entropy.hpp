@@ -27,8 +27,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              distance. With mec1, mec2 C^∞ everywhere inside.
 ///   outside    undefined, also in holes and cavities
 ///   accuracy   1e-14 in double, 1e-5 in float, also next to the boundary
-///   cost       4 to 6 passes over the vertices, rarely 20 (`bench_published`): 12 times the cost of mean
-///              value coordinates in the plane, 3.4 times in space (`bench_bind`)
+///   cost       12 times that of mean value coordinates in the plane, 3.4 times in space (`bench_bind`). In
+///              space 4 to 6 passes over the vertices, rarely 20 (`bench_published`)
 ///   gradients  computed in double, to 1e-11 of the largest; those on the boundary are taken 1e-6 diagonals
 ///              inside
 ///   fails      as the cage's check

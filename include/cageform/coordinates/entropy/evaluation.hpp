@@ -45,6 +45,7 @@ private:
     using T = scalar;
     static constexpr std::size_t D = dimension;
     using Base::cage_;
+    using typename Base::Wide;
 
     template <class N>
     struct Memory {
@@ -160,7 +161,7 @@ private:
         }
         Memory<N> memory(this->topology_, this->points());
         bool is_found = false;
-        const auto find_at = [&](const Vec<typename Base::Wide, D>& q) {
+        const auto find_at = [&](const Vec<Wide, D>& q) {
             const Vec<double, D> place =
                 this->scale_ * (vec_cast<double>(q) - vec_cast<double>(this->origin_));
             const auto found =
@@ -169,11 +170,10 @@ private:
             return is_found;
         };
         if (on_boundary) {
-            using Wide = typename Base::Wide;
             this->find_place_inside(vec_cast<double>(p), Wide(Base::step_inside) / Wide(this->scale_),
                                     find_at);
         } else {
-            (void)find_at(vec_cast<typename Base::Wide>(p));
+            (void)find_at(vec_cast<Wide>(p));
         }
         if (!is_found ||
             !store_weights<N>(std::span<const N>(result<N>(memory)), N(1.0), this->scale_, rows, lane))

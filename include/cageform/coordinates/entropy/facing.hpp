@@ -12,8 +12,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls f(i, next, from, to, edge) for all edges. Returns the sum of all mean value weights, which is
-/// positive inside and negative outside. Flags points near the boundary as `compute_weights` does.
+/// Calls f(i, next, from, to, edge) for each edge: its two corners, the spokes to them, and the SeenEdge.
+/// Returns the sum of all mean value weights, which is positive inside and negative outside. `special` of the
+/// result is 1 in lanes of points near an edge or a vertex.
 template <class N, class S, class F>
 WeightSum<ValueOf<N>> for_each_seen_edge(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                                          const Vec<ValueOf<N>, 2>& p, const F& f) noexcept {
@@ -47,7 +48,7 @@ WeightSum<ValueOf<N>> for_each_seen_edge(const MeanValueFrame<S, 2>& cage, const
     return {sum, special};
 }
 
-/// Computes the prior in `rows.weights`. Returns as `for_each_seen_edge`.
+/// Computes the prior in `rows.weights`. Returns the result of `for_each_seen_edge`.
 template <class N, class S>
 WeightSum<ValueOf<N>> compute_facing(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                                      const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {

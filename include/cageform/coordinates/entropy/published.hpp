@@ -13,7 +13,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes the prior in `rows.weights`, times a factor. Returns as `for_each_seen_edge`.
+/// Computes the prior in `rows.weights`, with a common factor, which cancels in the weights. Returns the
+/// result of `for_each_seen_edge`.
 ///
 ///   is_first  whether to compute MEC-1 instead of MEC-2
 template <class N, class S>

@@ -109,8 +109,8 @@ private:
         }
         return state;
     }
-    /// Returns the sample point one cell from `p`, or less if the boundary is nearer. The sample point is
-    /// short of the boundary: projected weights are discontinuous at the disc of an interior point.
+    /// Returns the sample point one cell from `p`, or less if the boundary is nearer. The sample point never
+    /// reaches the boundary: projected weights jump at the edge of the disc of a point handle inside.
     Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
         const double cells = (std::min)(0.9 * solver_.free_distance(placed(p), axis, up, 1.25), 1.0);
         Point q = p;

@@ -98,9 +98,10 @@ protected:
         }
     }
 
-    /// Evaluates a batch.
+    /// Calls `lanes` for all points of a batch, then distributes the rows of fan points to vertices. Each
+    /// range of blocks has one object of the type Memory.
     ///
-    ///   lanes(b, first, rows, memory)  as `evaluate_lanes`, with memory of the type Memory
+    ///   lanes(b, first, rows, memory)  has the contract of `evaluate_lanes`
     template <class N, class Memory, class EvaluateLanes>
     Evaluation evaluate_blocks_with(const Batch<T>& batch, const Running& running,
                                     const EvaluateLanes& lanes) const {

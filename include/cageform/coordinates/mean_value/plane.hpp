@@ -57,7 +57,7 @@ struct MeanValueFrame<S, 2> {
 };
 
 /// The vector u from the point to a vertex, its squared length and its length. `inverse_r` is set only for
-/// numbers with estimated roots.
+/// numbers with estimated roots, and by `for_each_seen_edge`.
 template <class N>
 struct Spoke {
     using X = ValueOf<N>;
@@ -80,14 +80,16 @@ struct Spoke {
     }
 };
 
-/// The angle α of an edge e seen from the point, by u and v to its ends: c = u × e = |u||v| sin α, and
-/// s = |u||v| (1 + |cos α|). c is computed from the edge because u × v cancels far away.
+/// The signed angle α of an edge e, as seen from the point. The vectors u and v lead from the point to the
+/// ends of e. c = u × e is |u||v| sin α; it is computed from the edge because u × v cancels far away. s is
+/// |u||v| (1 + |cos α|).
 template <class N>
 struct SeenEdge {
     using X = ValueOf<N>;
     decltype(X() < X()) acute;
     N c, s;
-    N numerator, denominator; ///< of tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever form does not cancel
+    /// Of tan(α/2): sin α/(1 + cos α) for acute angles, else (1 − cos α)/sin α, so that nothing cancels.
+    N numerator, denominator;
 
     template <class S>
     SeenEdge(const Spoke<N>& from, const Spoke<N>& to, const Vec<S, 2>& edge) noexcept {
@@ -96,7 +98,7 @@ struct SeenEdge {
         c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
         const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
         acute = X(0) < value_of(d);
-        s = from.r * to.r + select(acute, d, -d); // |d|; at d = 0 with the slope of −d
+        s = from.r * to.r + select(acute, d, -d); // |d|; its derivative at d = 0 is that of −d
         numerator = select(acute, c, s);
         denominator = select(acute, s, c);
     }
